@@ -1,0 +1,1 @@
+//! Criterion benches of haarmonic; see docs/performance.md for what they measured.

@@ -1,0 +1,5 @@
+//! Quadrature, careful sums and other numerical ground work.
+
+mod quadrature;
+
+pub use quadrature::GaussLegendre;

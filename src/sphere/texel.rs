@@ -1,0 +1,61 @@
+//! What a map of directions can hold: scalars and RGB.
+
+use std::ops::{Add, Mul};
+
+use nalgebra::Vector3;
+use num_traits::Zero;
+
+use crate::Real;
+
+/// A value that maps interpolate and integrate: `f32`, `f64`, or an RGB `Vector3` of them.
+pub trait Texel: Copy + Zero + Add<Output = Self> + Mul<Self::Scalar, Output = Self> + Send + Sync + 'static {
+    /// The scalar that scales it.
+    type Scalar: Real;
+    /// The same value in `f64`, in which sums run.
+    type Wide: Texel<Scalar = f64>;
+    /// Widens to `f64` (exact).
+    fn widen(self) -> Self::Wide;
+    /// Narrows from `f64` (rounds to nearest).
+    fn narrow(wide: Self::Wide) -> Self;
+    /// Whether every component is finite.
+    fn is_finite(self) -> bool;
+}
+
+macro_rules! scalar_texel {
+    ($t:ty) => {
+        impl Texel for $t {
+            type Scalar = $t;
+            type Wide = f64;
+            #[inline(always)]
+            fn widen(self) -> f64 {
+                Real::widen(self)
+            }
+            #[inline(always)]
+            fn narrow(wide: f64) -> Self {
+                Real::of(wide)
+            }
+            fn is_finite(self) -> bool {
+                <$t>::is_finite(self)
+            }
+        }
+
+        impl Texel for Vector3<$t> {
+            type Scalar = $t;
+            type Wide = Vector3<f64>;
+            #[inline(always)]
+            fn widen(self) -> Vector3<f64> {
+                self.map(Real::widen)
+            }
+            #[inline(always)]
+            fn narrow(wide: Vector3<f64>) -> Self {
+                wide.map(Real::of)
+            }
+            fn is_finite(self) -> bool {
+                self.iter().all(|c| <$t>::is_finite(*c))
+            }
+        }
+    };
+}
+
+scalar_texel!(f32);
+scalar_texel!(f64);
