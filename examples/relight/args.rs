@@ -1,0 +1,161 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Parser, ValueEnum};
+use haarmonic::backend::wavelet::Terms;
+use haarmonic::haar::Weighting;
+use haarmonic::nalgebra::Vector3;
+
+/// A mesh lit by an environment map: wavelet relighting next to ground truth.
+///
+/// Without arguments: the built-in scene under the built-in sky, all methods, a contact sheet in out/relight.png.
+#[derive(Debug, Parser)]
+#[command(version, name = "relight")]
+pub struct Args {
+    /// Mesh file (OBJ, PLY, glTF, GLB); without it the built-in scene
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
+
+    /// Built-in scene
+    #[arg(long, value_enum, default_value = "torus-knot", conflicts_with = "mesh")]
+    pub scene: BuiltIn,
+
+    /// Vertices of the built-in scene (a mesh file keeps its own)
+    #[arg(long, value_name = "N", default_value_t = 12_000)]
+    pub vertices: usize,
+
+    /// Environment: a file (HDR, EXR, PNG; lat-long or cube strip), or the built-in `sky`, `sunset` or `studio`
+    #[arg(long, value_name = "FILE|NAME", default_value = "sky")]
+    pub env: String,
+
+    /// Turn of the environment about +y, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    pub rotate_env: f64,
+
+    /// Method
+    #[arg(long, value_enum, default_value = "all")]
+    pub method: Method,
+
+    /// Reflectance: lambert:0.8, phong:50, blinn-phong:100, ward:0.2:0.5, ggx:0.3, ashikhmin:100:1000, merl:FILE, or a
+    /// sum such as phong:50+lambert:0.4. Without it: Lambert, and glossy on the built-in scene's object
+    #[arg(long, value_name = "SPEC")]
+    pub brdf: Option<String>,
+
+    /// Texels along an edge of a cube map's face (a power of two)
+    #[arg(long, value_name = "N", default_value_t = 64)]
+    pub resolution: usize,
+
+    /// Resolution of the ground truth (default: that of --resolution)
+    #[arg(long, value_name = "R")]
+    pub truth_resolution: Option<usize>,
+
+    /// Terms that light (and, in the triple product, BRDF) keep: a percentage, a count, or `all`
+    #[arg(long, value_name = "TERMS", default_value = "1%")]
+    pub terms: Terms,
+
+    /// How the kept terms are chosen
+    #[arg(long, value_enum, default_value = "area")]
+    pub weighting: Choice,
+
+    /// Slices of the triple product's BRDF: sampled for each vertex, or from a table of N² × 6 normals
+    #[arg(long, value_name = "fly|N", default_value = "fly")]
+    pub slices: Slices,
+
+    /// Frames to time; the environment turns by 360°/N each frame
+    #[arg(long, value_name = "N", default_value_t = 5)]
+    pub frames: usize,
+
+    /// Where the viewer is, seen from the middle of the scene (a direction; default: the scene's own camera)
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub view: Option<Vector3<f64>>,
+
+    /// Which way is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, default_value = "0,1,0")]
+    pub up: Vector3<f64>,
+
+    /// Edge of each picture in pixels
+    #[arg(long, value_name = "PX", default_value_t = 400)]
+    pub size: usize,
+
+    /// Exposure of the pictures in stops (default: chosen so that the ground truth's bright parts are just below white)
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true)]
+    pub exposure: Option<f64>,
+
+    /// Contact sheet
+    #[arg(long, value_name = "P.png", default_value = "out/relight.png")]
+    pub out: PathBuf,
+
+    /// Also write the first method's picture in linear RGB
+    #[arg(long, value_name = "P.exr")]
+    pub exr: Option<PathBuf>,
+
+    /// Also write the mesh with the first method's radiance as float vertex colours
+    #[arg(long, value_name = "P.ply")]
+    pub out_ply: Option<PathBuf>,
+
+    /// Also write the figures as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+
+    /// Threads (default: all cores)
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+/// Built-in scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum BuiltIn {
+    TorusKnot,
+    Spheres,
+    Table,
+    BasRelief,
+}
+
+/// Methods to run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    WaveletDouble,
+    WaveletTriple,
+    Reference,
+    All,
+}
+
+/// Selection of terms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Choice {
+    Magnitude,
+    Area,
+    Integral,
+}
+
+/// Where BRDF slices come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Slices {
+    Fly,
+    Table(usize),
+}
+
+impl std::str::FromStr for Slices {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "fly" => Ok(Self::Fly),
+            _ => text.parse().map(Self::Table).map_err(|_| "expected `fly` or a number of texels such as 32".into()),
+        }
+    }
+}
+
+fn vector(text: &str) -> Result<Vector3<f64>, String> {
+    let parts: Vec<f64> = text.split(',').map(|p| p.trim().parse().map_err(|_| wrong(text))).collect::<Result<_, _>>()?;
+    let v = match parts[..] {
+        [x, y, z] => Vector3::new(x, y, z),
+        _ => return Err(wrong(text)),
+    };
+    if v.iter().all(|c| c.is_finite()) && v.norm() > 0.0 { Ok(v) } else { Err(wrong(text)) }
+}
+
+fn wrong(text: &str) -> String {
+    format!("`{text}` is not a direction: give three numbers, not all zero, such as 0,1,0.5")
+}

@@ -1,0 +1,117 @@
+//! Holds the import rule of docs/architecture.md: data flows downwards through the house.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The rooms, from the top of the house to the bottom: a room imports only from rooms above it.
+/// `backend` is followed by one room for each back end: siblings never import each other.
+const ROOMS: [&str; 9] =
+    ["error", "progress", "real", "numeric", "sphere", "haar", "scene", "io", "backend"];
+
+/// Rooms that show the public types of the house to tests, and so may import everything.
+const ANNEXES: [&str; 3] = ["lib", "reference", "strategies"];
+
+fn sources(dir: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<_> = fs::read_dir(dir).expect("src can be read").map(|e| e.unwrap().path()).collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// The rooms that a source names: the word after every `crate::`, and the words of `crate::{…}` at its top level.
+fn imports(text: &str) -> Vec<String> {
+    let mut rooms = Vec::new();
+    let code: String = text
+        .lines()
+        .map(|line| line.split("//").next().unwrap_or(""))
+        .take_while(|line| !line.contains("mod tests"))
+        .collect::<Vec<_>>()
+        .join("\n");
+    for (at, _) in code.match_indices("crate::") {
+        let rest = &code[at + "crate::".len()..];
+        let heads = match rest.strip_prefix('{') {
+            None => vec![rest],
+            Some(group) => {
+                let mut depth = 0;
+                let mut heads = vec![group];
+                for (i, c) in group.char_indices() {
+                    match c {
+                        '{' => depth += 1,
+                        '}' if depth == 0 => break,
+                        '}' => depth -= 1,
+                        ',' if depth == 0 => heads.push(group[i + 1..].trim_start()),
+                        _ => {}
+                    }
+                }
+                heads
+            }
+        };
+        for head in heads {
+            rooms.push(head.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect());
+        }
+    }
+    rooms
+}
+
+fn rank(room: &str) -> Option<usize> {
+    ROOMS.iter().position(|r| *r == room)
+}
+
+#[test]
+fn rooms_import_only_from_rooms_above() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    assert!(files.len() > 20, "found only {} sources", files.len());
+    let mut wrong = Vec::new();
+    for file in files {
+        let inside = file.strip_prefix(&src).unwrap();
+        let first = inside.components().next().unwrap().as_os_str().to_str().unwrap();
+        let room = first.trim_end_matches(".rs");
+        if ANNEXES.contains(&room) {
+            continue;
+        }
+        let own = rank(room).unwrap_or_else(|| panic!("{room} has no place in the house: add it to ROOMS"));
+        for import in imports(&fs::read_to_string(&file).unwrap()) {
+            let annex = ANNEXES.contains(&import.as_str());
+            if annex || rank(&import).is_some_and(|other| other > own) {
+                wrong.push(format!("{} imports crate::{import}", inside.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "against the import rule:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn back_ends_never_import_each_other() {
+    let backend = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/backend");
+    let mut files = Vec::new();
+    sources(&backend, &mut files);
+    let back_ends: Vec<String> = fs::read_dir(&backend)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.is_dir())
+        .map(|p| p.file_name().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    assert!(!back_ends.is_empty());
+    for file in files {
+        let inside = file.strip_prefix(&backend).unwrap();
+        let own = inside.components().next().unwrap().as_os_str().to_str().unwrap();
+        let text = fs::read_to_string(&file).unwrap();
+        for other in back_ends.iter().filter(|o| *o != own && inside.components().count() > 1) {
+            let named = text.contains(&format!("backend::{other}")) || text.contains(&format!("super::super::{other}"));
+            assert!(!named, "{} imports its sibling {other}", inside.display());
+        }
+    }
+}
+
+#[test]
+fn the_import_scanner_sees_what_it_must() {
+    let text = "use crate::{Error, haar::{Transform2d, Index2d}, scene};\nlet x = crate::sphere::f(); // crate::io";
+    assert_eq!(imports(text), ["Error", "haar", "scene", "sphere"]);
+}
