@@ -316,12 +316,7 @@ impl<T: Real> WithSimd for Standard<'_, T> {
 ///
 /// # Errors
 /// Those of [`Transform2d::new`]; [`Error::Length`] unless `samples.len() == width·height`.
-pub fn forward_2d<T: Real>(
-    samples: &[T],
-    width: usize,
-    height: usize,
-    decomposition: Decomposition,
-) -> Result<Vec<T>> {
+pub fn forward_2d<T: Real>(samples: &[T], width: usize, height: usize, decomposition: Decomposition) -> Result<Vec<T>> {
     let mut data = samples.to_vec();
     let (plan, mut scratch) = plan_for(&data, width, height, decomposition)?;
     plan.forward_in_place(&mut data, &mut scratch);

@@ -123,8 +123,8 @@ pub fn means(level: u32, samples: &[f64]) -> Vec<f64> {
     let (size, nodes) = (side(samples.len()), 1usize << level);
     let cell = size / nodes;
     let node = |k: usize| {
-        let pixels = (0..cell * cell)
-            .map(|p| samples[((k / nodes) * cell + p / cell) * size + (k % nodes) * cell + p % cell]);
+        let pixels =
+            (0..cell * cell).map(|p| samples[((k / nodes) * cell + p / cell) * size + (k % nodes) * cell + p % cell]);
         pixels.sum::<f64>() / (cell * cell) as f64
     };
     (0..nodes * nodes).map(node).collect()
