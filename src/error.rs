@@ -49,6 +49,15 @@ pub enum Error {
         /// What is empty.
         what: &'static str,
     },
+    /// A string, such as a command-line argument, could not be understood.
+    Syntax {
+        /// What it should name.
+        what: &'static str,
+        /// The string.
+        given: String,
+        /// What is wrong with it, and the forms that are allowed.
+        reason: String,
+    },
     /// The caller's [`Progress`](crate::Progress) asked to stop.
     Cancelled,
     /// A file or stream could not be read or written.
@@ -72,6 +81,7 @@ impl std::fmt::Display for Error {
             Self::OutOfRange { what, got, allowed } => write!(f, "{what} must be {allowed}, got {got}"),
             Self::NotFinite { what, index } => write!(f, "{what} number {index} is NaN or infinite"),
             Self::Empty { what } => write!(f, "{what} is empty"),
+            Self::Syntax { what, given, reason } => write!(f, "{what} '{given}': {reason}"),
             Self::Cancelled => f.write_str("cancelled by the caller"),
             Self::File { path, place, reason } if place.is_empty() => write!(f, "{}: {reason}", path.display()),
             Self::File { path, place, reason } => write!(f, "{}, {place}: {reason}", path.display()),

@@ -3,17 +3,26 @@
 mod brdf;
 mod bvh;
 mod camera;
+mod ground_truth;
+mod material;
 mod mesh;
 mod picture;
 mod procedural;
+mod view;
 mod visibility;
 
-pub use brdf::Brdf;
+pub use brdf::{
+    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
+    Phong, Sum, Ward,
+};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
+pub use ground_truth::{GroundTruth, TexelVisibility};
+pub use material::Materials;
 pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
 pub use picture::Picture;
 pub use procedural::{Model, Procedural};
+pub use view::View;
 pub use visibility::{
     BackFaces, BinaryVisibility, FractionalVisibility, VisibilityBaker, VisibilityScratch, VisibilitySettings,
 };

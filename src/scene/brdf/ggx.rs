@@ -1,0 +1,156 @@
+//! Microfacets with the GGX distribution.
+
+use std::f64::consts::PI;
+
+use nalgebra::Vector3;
+
+use super::kernel::{self, Kernel, Local};
+use super::{
+    Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, half_vector, plane_count, split_colour,
+};
+use crate::Result;
+use crate::scene::Frame;
+
+/// Cook and Torrance's microfacet model with the anisotropic GGX distribution.
+///
+///   f = D(h) F(wo·h) G₂(wi, wo) / (4 cos θ_i cos θ_o)
+///   D = 1 / (π α_x α_y (h_x²/α_x² + h_y²/α_y² + h_z²)²)                                 [Walter 2007, eq. 33]
+///   G₂/(4 cos θ_i cos θ_o) = 1 / (2 (cos θ_o λ(wi) + cos θ_i λ(wo))),
+///   λ(w) = √(α_x² w_x² + α_y² w_y² + w_z²)                                               [Heitz 2014, eq. 99]
+///   F = F₀ + (1 − F₀)(1 − wo·h)⁵                                                         [Schlick 1994]
+///
+/// Reciprocal. Single scattering: the directional albedo is below 1, and the rougher the surface the further below.
+/// An F₀ of three equal channels has a colour, white; another one has none, since F goes to white at grazing angles.
+///
+/// Accuracy of `add_cos`: |error| ≤ 3e-6 (1 + 1/α) of the lobe's peak, against `eval` (measured for α ≥ 0.001).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CookTorrance {
+    f0: Vector3<f64>,
+    alpha: [f64; 2],
+}
+
+impl CookTorrance {
+    /// A surface of reflectance `f0` at normal incidence and of roughnesses along the tangent and the bitangent.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every channel is in [0, 1] and both roughnesses in
+    /// [1e-4, 1].
+    pub fn new(f0: impl Into<Vector3<f64>>, alpha_x: f64, alpha_y: f64) -> Result<Self> {
+        let f0 = f0.into();
+        check_albedo("GGX reflectance F0", &f0)?;
+        check_roughness("GGX alpha_x", alpha_x)?;
+        check_roughness("GGX alpha_y", alpha_y)?;
+        Ok(Self { f0, alpha: [alpha_x, alpha_y] })
+    }
+
+    /// The isotropic surface.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn isotropic(f0: impl Into<Vector3<f64>>, alpha: f64) -> Result<Self> {
+        Self::new(f0, alpha, alpha)
+    }
+
+    fn grey(&self) -> bool {
+        self.f0.x == self.f0.y && self.f0.x == self.f0.z
+    }
+
+    fn lambda(&self, w: &Vector3<f64>) -> f64 {
+        ((self.alpha[0] * w.x).powi(2) + (self.alpha[1] * w.y).powi(2) + w.z * w.z).sqrt()
+    }
+}
+
+impl Brdf for CookTorrance {
+    fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
+        if !above_horizon(wi, wo) {
+            return Vector3::zeros();
+        }
+        let h = half_vector(wi, wo);
+        let q = (h.x / self.alpha[0]).powi(2) + (h.y / self.alpha[1]).powi(2) + h.z * h.z;
+        let d = 1.0 / (PI * self.alpha[0] * self.alpha[1] * q * q);
+        let masking = 0.5 / (wo.z * self.lambda(wi) + wi.z * self.lambda(wo));
+        let grazing = (1.0 - wo.dot(&h).clamp(0.0, 1.0)).powi(5);
+        let value = (d * masking).min(f64::MAX);
+        self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
+    }
+
+    fn colour(&self) -> Option<Vector3<f64>> {
+        self.grey().then(|| split_colour(&self.f0).0)
+    }
+
+    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        plane_count(self.grey(), directions.len(), out.len());
+        let Some(local) = Local::new(frame, wo) else { return };
+        let local_wo = frame.to_local(wo);
+        let facets = Facets {
+            local,
+            alpha2: self.alpha.map(|a| (a * a) as f32),
+            inverse: self.alpha.map(|a| (1.0 / a) as f32),
+            lambda: self.lambda(&local_wo) as f32,
+        };
+        let constant = scale * 0.5 / (PI * self.alpha[0] * self.alpha[1]);
+        if self.grey() {
+            let kernel = Grey { facets, f0: self.f0.x as f32 };
+            kernel::add_scalar(kernel, frame, directions, (Vector3::repeat(1.0), constant), out);
+        } else {
+            let kernel = Coloured { facets, f0: kernel::narrow(&self.f0) };
+            kernel::add_rgb(kernel, frame, directions, [constant as f32; 3], out);
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Facets {
+    local: Local,
+    alpha2: [f32; 2],
+    inverse: [f32; 2],
+    lambda: f32,
+}
+
+impl Facets {
+    /// D G₂/(4 cos θ_i cos θ_o) z without its constants, and Schlick's (1 − wo·h)⁵.
+    #[inline(always)]
+    fn parts(&self, d: [f32; 3], z: f32) -> (f32, f32) {
+        let h = self.local.half(d, z);
+        let wo = self.local.wo;
+        let wi = [h[0] - wo[0], h[1] - wo[1]];
+        let length2 = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
+        let (sx, sy) = (h[0] * self.inverse[0], h[1] * self.inverse[1]);
+        let ratio = length2 / (sx * sx + sy * sy + h[2] * h[2]);
+        let lambda = (self.alpha2[0] * wi[0] * wi[0] + self.alpha2[1] * wi[1] * wi[1] + z * z).sqrt();
+        // wo·h/|h| = |h|/2 for unit wi, wo.
+        let rest = 1.0 - 0.5 * length2.sqrt();
+        let rest2 = rest * rest;
+        // The bound is reached by denormal cosines only.
+        let denominator = (wo[2] * lambda + z * self.lambda).max(f32::MIN_POSITIVE);
+        (ratio * ratio * z / denominator, rest2 * rest2 * rest)
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Grey {
+    facets: Facets,
+    f0: f32,
+}
+
+impl Kernel<1> for Grey {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        let (value, grazing) = self.facets.parts(d, z);
+        [value * (self.f0 + (1.0 - self.f0) * grazing)]
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Coloured {
+    facets: Facets,
+    f0: [f32; 3],
+}
+
+impl Kernel<3> for Coloured {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
+        let (value, grazing) = self.facets.parts(d, z);
+        self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
+    }
+}

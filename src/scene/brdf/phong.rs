@@ -1,0 +1,167 @@
+//! Cosine lobes: Phong's about the mirror direction, Blinn's about the half vector.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Vector3;
+
+use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
+use super::{
+    Brdf, DirectionTable, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
+};
+use crate::Result;
+use crate::scene::Frame;
+
+/// The modified, normalised Phong lobe about the mirror direction.
+///
+///   f = albedo (n + 2)/2π max(r·wi, 0)^n,  r = the mirror image of wo          [Lewis 1994; Lafortune & Willems 1994]
+///
+/// Without the maximum [Sun 2008, eq. 2.19] an even n would give a second lobe. Reciprocal. The directional albedo is
+/// `albedo` at normal incidence, for ∫ cosⁿ⁺¹ dω = 2π/(n + 2) over the hemisphere, and less elsewhere.
+///
+/// Accuracy of `add_cos`: |error| ≤ 1e-6 (1 + √n) of the lobe's peak times cosine, against `eval` (measured for n ≤ 1e4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phong {
+    albedo: Vector3<f64>,
+    exponent: f64,
+}
+
+impl Phong {
+    /// A lobe of RGB `albedo` and of `exponent` n; n = 0 is diffuse with a dark side.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every channel is in [0, 1] and the exponent in [0, 1e7].
+    pub fn new(albedo: impl Into<Vector3<f64>>, exponent: f64) -> Result<Self> {
+        let albedo = albedo.into();
+        check_albedo("Phong albedo", &albedo)?;
+        check_exponent("Phong exponent", exponent)?;
+        Ok(Self { albedo, exponent })
+    }
+
+    /// The exponent n.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    fn constant(&self) -> f64 {
+        (self.exponent + 2.0) / TAU
+    }
+}
+
+impl Brdf for Phong {
+    fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
+        if !above_horizon(wi, wo) {
+            return Vector3::zeros();
+        }
+        let cosine = wi.z * wo.z - wi.x * wo.x - wi.y * wo.y;
+        if cosine <= 0.0 {
+            return Vector3::zeros();
+        }
+        self.albedo * (self.constant() * cosine.min(1.0).powf(self.exponent))
+    }
+
+    fn colour(&self) -> Option<Vector3<f64>> {
+        Some(split_colour(&self.albedo).0)
+    }
+
+    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        plane_count(true, directions.len(), out.len());
+        let local = frame.to_local(wo);
+        if local.z <= 0.0 {
+            return;
+        }
+        let mirror = frame.to_world(&Vector3::new(-local.x, -local.y, local.z));
+        let kernel = MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 };
+        kernel::add_scalar(kernel, frame, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+    }
+}
+
+/// max(r·d, 0)^n z with 1 − r·d = |d − r|²/2, which keeps its relative precision in a narrow lobe.
+#[derive(Clone, Copy)]
+struct MirrorLobe {
+    mirror: [f32; 3],
+    exponent: f32,
+}
+
+impl Kernel<1> for MirrorLobe {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        let e = [d[0] - self.mirror[0], d[1] - self.mirror[1], d[2] - self.mirror[2]];
+        let q = 0.5 * kernel::dot(e, e);
+        let lobe = exp2(self.exponent * log2_1p(-q));
+        [if q < 1.0 { lobe * z } else { 0.0 }]
+    }
+}
+
+/// The normalised Blinn–Phong lobe about the half vector.
+///
+///   f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
+///
+/// The constant makes the directional albedo at normal incidence equal to `albedo`: with c = cos(θ/2) = h·n,
+/// 2π ∫ cⁿ cos θ sin θ dθ = 8π ∫ cⁿ⁺¹ (2c² − 1) dc from √½ to 1 = 8π (n + 2^(−n/2)) / ((n + 2)(n + 4)); Giesen (2009) has
+/// the same. Away from it the albedo is smaller (tested). Reciprocal.
+///
+/// Accuracy of `add_cos`: |error| ≤ 1e-6 (1 + √n) of the lobe's peak, against `eval` (measured for n ≤ 1e4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BlinnPhong {
+    albedo: Vector3<f64>,
+    exponent: f64,
+}
+
+impl BlinnPhong {
+    /// A lobe of RGB `albedo` and of `exponent` n; n = 0 is Lambert's law.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every channel is in [0, 1] and the exponent in [0, 1e7].
+    pub fn new(albedo: impl Into<Vector3<f64>>, exponent: f64) -> Result<Self> {
+        let albedo = albedo.into();
+        check_albedo("Blinn–Phong albedo", &albedo)?;
+        check_exponent("Blinn–Phong exponent", exponent)?;
+        Ok(Self { albedo, exponent })
+    }
+
+    /// The exponent n.
+    pub fn exponent(&self) -> f64 {
+        self.exponent
+    }
+
+    fn constant(&self) -> f64 {
+        let n = self.exponent;
+        (n + 2.0) * (n + 4.0) / (8.0 * PI * (n + (-0.5 * n).exp2()))
+    }
+}
+
+impl Brdf for BlinnPhong {
+    fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
+        if !above_horizon(wi, wo) {
+            return Vector3::zeros();
+        }
+        self.albedo * (self.constant() * half_vector(wi, wo).z.min(1.0).powf(self.exponent))
+    }
+
+    fn colour(&self) -> Option<Vector3<f64>> {
+        Some(split_colour(&self.albedo).0)
+    }
+
+    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        plane_count(true, directions.len(), out.len());
+        let Some(local) = Local::new(frame, wo) else { return };
+        let kernel = HalfLobe { local, half_exponent: (-0.5 * self.exponent) as f32 };
+        kernel::add_scalar(kernel, frame, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+    }
+}
+
+/// (h·n)^n z = (1 + tan² θ_h)^(−n/2) z: the tangent keeps its relative precision in a narrow lobe.
+#[derive(Clone, Copy)]
+struct HalfLobe {
+    local: Local,
+    half_exponent: f32,
+}
+
+impl Kernel<1> for HalfLobe {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        let h = self.local.half(d, z);
+        let tan2 = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]);
+        [exp2(self.half_exponent * log2_1p(tan2)) * z]
+    }
+}

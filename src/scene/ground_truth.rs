@@ -1,0 +1,278 @@
+//! The right answer, by brute force.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nalgebra::Vector3;
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+use super::{BinaryVisibility, Brdf, Materials, Mesh, View};
+use crate::sphere::{CubeGrid, CubeMap, Face};
+use crate::{Error, Progress, Result};
+
+/// What each vertex sees, in one of the forms that [`GroundTruth`] takes.
+///
+/// Weights are 1 = unoccluded. The closures are called from any thread, once a vertex, with a zeroed buffer.
+#[derive(Clone, Copy)]
+pub enum TexelVisibility<'a> {
+    /// Stored bits.
+    Binary(&'a BinaryVisibility),
+    /// Bits in the form of [`BinaryVisibility`], made one vertex at a time: nothing is stored.
+    Words {
+        /// The grid of the bits.
+        grid: CubeGrid,
+        /// Fills the words of a vertex.
+        fill: &'a (dyn Fn(usize, &mut [u64]) + Sync),
+    },
+    /// Fractional visibility, one weight a texel in storage order.
+    Weights {
+        /// The grid of the weights.
+        grid: CubeGrid,
+        /// Fills the weights of a vertex.
+        fill: &'a (dyn Fn(usize, &mut [f32]) + Sync),
+    },
+    /// Everything is visible from everywhere.
+    Full {
+        /// The grid to sum over.
+        grid: CubeGrid,
+    },
+}
+
+impl TexelVisibility<'_> {
+    /// The grid.
+    pub fn grid(&self) -> CubeGrid {
+        match self {
+            Self::Binary(bits) => bits.grid(),
+            Self::Words { grid, .. } | Self::Weights { grid, .. } | Self::Full { grid } => *grid,
+        }
+    }
+}
+
+impl std::fmt::Debug for TexelVisibility<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = match self {
+            Self::Binary(_) => "Binary",
+            Self::Words { .. } => "Words",
+            Self::Weights { .. } => "Weights",
+            Self::Full { .. } => "Full",
+        };
+        f.debug_struct(name).field("side", &self.grid().side()).finish_non_exhaustive()
+    }
+}
+
+/// The radiance of every vertex under distant light, summed over all texels.
+///
+///   L_o(v) = Σ_t L_t V_t(v) f(wi_t, wo(v)) max(cos θ_t, 0) Ω_t
+///
+/// in `f64`, through [`Brdf::eval`]. No approximation but the texels themselves: light, visibility and BRDF are constant
+/// over a texel, taken at its centre. Texels with V = 0 and texels below the horizon are passed over, which changes nothing.
+///
+/// Shapes: the result is one RGB a vertex. A vertex seen from behind is black.
+/// Cost: measured in `benches/ground_truth.rs`. Parallel over vertices; the same bits for any number of threads.
+#[derive(Debug, Clone, Copy)]
+pub struct GroundTruth<'a> {
+    /// The vertices.
+    pub mesh: &'a Mesh,
+    /// Their BRDFs.
+    pub materials: &'a Materials,
+    /// The viewer.
+    pub view: &'a View,
+    /// The distant light in radiance, in world coordinates.
+    pub light: &'a CubeMap<Vector3<f32>>,
+}
+
+/// Vertices that a thread takes at a time.
+const CHUNK: usize = 32;
+
+impl GroundTruth<'_> {
+    /// The radiance of every vertex.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the light's grid is not the visibility's or the lists do not fit the mesh,
+    /// [`Error::NotFinite`] for a light texel or a visibility weight that is NaN or infinite, [`Error::Cancelled`].
+    pub fn radiance(&self, visibility: &TexelVisibility, progress: &dyn Progress) -> Result<Vec<Vector3<f64>>> {
+        let vertices = self.mesh.positions().len();
+        let texels = self.prepare(visibility, vertices)?;
+        let mut out = vec![Vector3::zeros(); vertices];
+        let done = AtomicUsize::new(0);
+        let chunk = |(index, chunk): (usize, &mut [Vector3<f64>])| -> Result<()> {
+            if progress.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            let mut scratch = Scratch::new(visibility);
+            for (i, radiance) in chunk.iter_mut().enumerate() {
+                *radiance = self.vertex(index * CHUNK + i, &texels, visibility, &mut scratch)?;
+            }
+            let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
+            progress.advance(before + chunk.len(), vertices);
+            Ok(())
+        };
+        #[cfg(feature = "rayon")]
+        out.par_chunks_mut(CHUNK).enumerate().try_for_each(chunk)?;
+        #[cfg(not(feature = "rayon"))]
+        out.chunks_mut(CHUNK).enumerate().try_for_each(chunk)?;
+        Ok(out)
+    }
+
+    fn prepare(&self, visibility: &TexelVisibility, vertices: usize) -> Result<Texels> {
+        let grid = visibility.grid();
+        if self.light.grid() != grid {
+            return Err(Error::Length {
+                what: "side of the light's cube map",
+                expected: grid.side(),
+                got: self.light.grid().side(),
+            });
+        }
+        if let TexelVisibility::Binary(bits) = visibility
+            && bits.vertices() != vertices
+        {
+            return Err(Error::Length { what: "vertices with visibility", expected: vertices, got: bits.vertices() });
+        }
+        self.materials.check(vertices)?;
+        if let Some(index) = self.light.texels().iter().position(|l| !l.iter().all(|c| c.is_finite())) {
+            return Err(Error::NotFinite { what: "light texel", index });
+        }
+        Ok(Texels::new(self.light))
+    }
+
+    fn vertex(
+        &self,
+        vertex: usize,
+        texels: &Texels,
+        visibility: &TexelVisibility,
+        scratch: &mut Scratch,
+    ) -> Result<Vector3<f64>> {
+        let shading = Shading::new(self, vertex);
+        if shading.wo.z <= 0.0 {
+            return Ok(Vector3::zeros());
+        }
+        match visibility {
+            TexelVisibility::Binary(bits) => Ok(shading.sum_bits(texels, bits.vertex(vertex))),
+            TexelVisibility::Words { fill, .. } => {
+                scratch.words.fill(0);
+                fill(vertex, &mut scratch.words);
+                Ok(shading.sum_bits(texels, &scratch.words))
+            }
+            TexelVisibility::Weights { fill, .. } => {
+                scratch.weights.fill(0.0);
+                fill(vertex, &mut scratch.weights);
+                if let Some(index) = scratch.weights.iter().position(|w| !w.is_finite()) {
+                    return Err(Error::NotFinite { what: "visibility weight", index });
+                }
+                Ok(shading.sum_weights(texels, |i| f64::from(scratch.weights[i])))
+            }
+            TexelVisibility::Full { .. } => Ok(shading.sum_weights(texels, |_| 1.0)),
+        }
+    }
+}
+
+/// One vertex's visibility, reused by the vertices of a chunk.
+struct Scratch {
+    words: Vec<u64>,
+    weights: Vec<f32>,
+}
+
+impl Scratch {
+    fn new(visibility: &TexelVisibility) -> Self {
+        let grid = visibility.grid();
+        let words = if matches!(visibility, TexelVisibility::Words { .. }) {
+            6 * BinaryVisibility::words_per_face(grid)
+        } else {
+            0
+        };
+        let weights = if matches!(visibility, TexelVisibility::Weights { .. }) { grid.len() } else { 0 };
+        Self { words: vec![0; words], weights: vec![0.0; weights] }
+    }
+}
+
+/// Directions and L·Ω of all texels.
+struct Texels {
+    grid: CubeGrid,
+    directions: Vec<Vector3<f64>>,
+    light: Vec<Vector3<f64>>,
+}
+
+impl Texels {
+    fn new(light: &CubeMap<Vector3<f32>>) -> Self {
+        let grid = light.grid();
+        let omega = grid.face_solid_angles();
+        Self {
+            grid,
+            directions: grid.directions().into_iter().map(|d| d.into_inner()).collect(),
+            light: light.texels().iter().enumerate().map(|(i, l)| l.cast() * omega[i % omega.len()]).collect(),
+        }
+    }
+}
+
+/// A vertex's BRDF, frame (rows: tangent, bitangent, normal) and local direction to the viewer.
+struct Shading<'a> {
+    brdf: &'a dyn Brdf,
+    frame: [Vector3<f64>; 3],
+    wo: Vector3<f64>,
+}
+
+impl<'a> Shading<'a> {
+    fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
+        let frame = truth.mesh.frame(vertex);
+        let wo = frame.to_local(&truth.view.wo(&truth.mesh.positions()[vertex]));
+        let frame = [frame.tangent.cast(), frame.bitangent.cast(), frame.normal.cast()];
+        Self { brdf: truth.materials.brdf(vertex), frame, wo }
+    }
+
+    /// The light of texel i that is reflected, without visibility.
+    #[inline(always)]
+    fn texel(&self, texels: &Texels, i: usize) -> Vector3<f64> {
+        let d = &texels.directions[i];
+        let z = self.frame[2].dot(d);
+        if z <= 0.0 {
+            return Vector3::zeros();
+        }
+        let wi = Vector3::new(self.frame[0].dot(d), self.frame[1].dot(d), z);
+        self.brdf.eval(&wi, &self.wo).component_mul(&texels.light[i]) * z
+    }
+
+    fn sum_bits(&self, texels: &Texels, words: &[u64]) -> Vector3<f64> {
+        let n = texels.grid.face_len();
+        let per_face = words.len() / 6;
+        let mut sum = Vector3::zeros();
+        for (f, face) in Face::ALL.into_iter().enumerate() {
+            if self.is_below(face) {
+                continue;
+            }
+            for (w, &word) in words[f * per_face..][..per_face].iter().enumerate() {
+                let first = w * 64;
+                // Spare bits past the face are nobody's.
+                let spare = (first + 64).saturating_sub(n);
+                let mut bits = if spare == 0 { word } else { word & (u64::MAX >> spare) };
+                while bits != 0 {
+                    sum += self.texel(texels, f * n + first + bits.trailing_zeros() as usize);
+                    bits &= bits - 1;
+                }
+            }
+        }
+        sum
+    }
+
+    fn sum_weights(&self, texels: &Texels, weight: impl Fn(usize) -> f64) -> Vector3<f64> {
+        let n = texels.grid.face_len();
+        let mut sum = Vector3::zeros();
+        for (f, face) in Face::ALL.into_iter().enumerate() {
+            if self.is_below(face) {
+                continue;
+            }
+            for i in f * n..(f + 1) * n {
+                let w = weight(i);
+                if w != 0.0 {
+                    sum += self.texel(texels, i) * w;
+                }
+            }
+        }
+        sum
+    }
+
+    /// Whether a whole face is below the horizon: the largest n·(out + u right + v down) over |u|, |v| ≤ 1.
+    fn is_below(&self, face: Face) -> bool {
+        let [right, down, out] = face.axes().map(|a| self.frame[2].dot(&Vector3::from(a)));
+        out + right.abs() + down.abs() < -1e-12
+    }
+}

@@ -1,0 +1,64 @@
+//! Where the viewer is.
+
+use nalgebra::Vector3;
+
+use crate::{Error, Result};
+
+/// Where the viewer is: at a point, or infinitely far away.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Eye(Vector3<f64>),
+    Direction(Vector3<f64>),
+}
+
+impl View {
+    /// A viewer at `eye` (perspective).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] if a component is NaN or infinite.
+    pub fn eye(eye: Vector3<f32>) -> Result<Self> {
+        check_finite("eye point", &eye)?;
+        Ok(Self { kind: Kind::Eye(eye.cast()) })
+    }
+
+    /// A viewer infinitely far away towards `direction`, of any length (orthographic).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] if a component is NaN or infinite, [`Error::OutOfRange`] if the direction is zero.
+    pub fn towards(direction: Vector3<f32>) -> Result<Self> {
+        check_finite("view direction", &direction)?;
+        match unit(&direction.cast()) {
+            Some(direction) => Ok(Self { kind: Kind::Direction(direction) }),
+            None => Err(Error::OutOfRange { what: "length of the view direction", got: 0.0, allowed: "positive" }),
+        }
+    }
+
+    /// The unit direction from a surface point to the viewer, in world coordinates.
+    ///
+    /// Zero if the point is the eye itself: such a point is seen from nowhere, and every BRDF there is 0.
+    #[inline]
+    pub fn wo(&self, position: &Vector3<f32>) -> Vector3<f64> {
+        match self.kind {
+            Kind::Eye(eye) => unit(&(eye - position.cast::<f64>())).unwrap_or_else(Vector3::zeros),
+            Kind::Direction(direction) => direction,
+        }
+    }
+}
+
+/// Scaled by the largest component first, so that nothing overflows or underflows.
+fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let scale = v.amax();
+    (scale > 0.0).then(|| (v / scale).normalize())
+}
+
+fn check_finite(what: &'static str, v: &Vector3<f32>) -> Result<()> {
+    match v.iter().position(|c| !c.is_finite()) {
+        Some(index) => Err(Error::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
