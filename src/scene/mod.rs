@@ -5,5 +5,5 @@ mod mesh;
 mod visibility;
 
 pub use brdf::Brdf;
-pub use mesh::{Frame, Mesh};
+pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
 pub use visibility::BinaryVisibility;
