@@ -7,6 +7,8 @@ mod progress;
 mod real;
 
 pub mod haar;
+#[cfg(feature = "io")]
+pub mod io;
 pub mod numeric;
 #[cfg(feature = "reference")]
 pub mod reference;

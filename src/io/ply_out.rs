@@ -1,0 +1,61 @@
+//! PLY out.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use super::atomic;
+use crate::scene::Mesh;
+use crate::{Error, Result};
+
+/// Writes a mesh as PLY: binary little endian, positions and normals and, if given, linear RGB colours, all as `float`.
+///
+/// The colours are the properties `red green blue` of the vertices, of type `float` and not clamped: radiance goes in
+/// and comes out. (Viewers that expect `uchar` colours show them scaled or not at all.)
+///
+/// # Errors
+/// [`Error::Length`] unless there is one colour a vertex; [`Error::File`] if the file cannot be written.
+pub fn save_ply(path: impl AsRef<Path>, mesh: &Mesh, colours: Option<&[Vector3<f32>]>) -> Result<()> {
+    atomic::write(path.as_ref(), &encode_ply(mesh, colours)?)
+}
+
+/// The bytes that [`save_ply`] writes.
+///
+/// # Errors
+/// [`Error::Length`] unless there is one colour a vertex.
+pub fn encode_ply(mesh: &Mesh, colours: Option<&[Vector3<f32>]>) -> Result<Vec<u8>> {
+    let vertices = mesh.positions().len();
+    if let Some(colours) = colours.filter(|c| c.len() != vertices) {
+        return Err(Error::Length { what: "colours of a mesh", expected: vertices, got: colours.len() });
+    }
+    let mut header = String::from("ply\nformat binary_little_endian 1.0\n");
+    if colours.is_some() {
+        header.push_str("comment red green blue: linear RGB radiance\n");
+    }
+    // Writing to a string cannot fail.
+    let _ = writeln!(header, "element vertex {vertices}");
+    let groups: &[&[&str]] = &[&["x", "y", "z"], &["nx", "ny", "nz"], &["red", "green", "blue"]];
+    for name in groups[..2 + usize::from(colours.is_some())].iter().copied().flatten() {
+        let _ = writeln!(header, "property float {name}");
+    }
+    // More readers know signed indices.
+    let index = if i32::try_from(vertices).is_ok() { "int" } else { "uint" };
+    let _ =
+        write!(header, "element face {}\nproperty list uchar {index} vertex_indices\nend_header\n", mesh.faces().len());
+
+    let row = if colours.is_some() { 36 } else { 24 };
+    let mut out = Vec::with_capacity(header.len() + row * vertices + 13 * mesh.faces().len());
+    out.extend_from_slice(header.as_bytes());
+    for i in 0..vertices {
+        let vectors = [Some(mesh.positions()[i]), Some(mesh.normals()[i]), colours.map(|c| c[i])];
+        for component in vectors.iter().flatten().flatten() {
+            out.extend_from_slice(&component.to_le_bytes());
+        }
+    }
+    for face in mesh.faces() {
+        out.push(3);
+        face.iter().for_each(|i| out.extend_from_slice(&i.to_le_bytes()));
+    }
+    Ok(out)
+}
