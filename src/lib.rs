@@ -6,6 +6,8 @@ mod error;
 mod progress;
 mod real;
 
+#[cfg(feature = "wavelet_off")]
+pub mod backend;
 pub mod haar;
 #[cfg(feature = "io")]
 pub mod io;

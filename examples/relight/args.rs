@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
-use haarmonic::backend::wavelet::Terms;
-use haarmonic::haar::Weighting;
+use haarmonic::haar::Keep;
 use haarmonic::nalgebra::Vector3;
 
 /// A mesh lit by an environment map: wavelet relighting next to ground truth.
@@ -52,7 +51,7 @@ pub struct Args {
 
     /// Terms that light (and, in the triple product, BRDF) keep: a percentage, a count, or `all`
     #[arg(long, value_name = "TERMS", default_value = "1%")]
-    pub terms: Terms,
+    pub terms: Keep,
 
     /// How the kept terms are chosen
     #[arg(long, value_enum, default_value = "area")]
@@ -101,6 +100,28 @@ pub struct Args {
     /// Threads (default: all cores)
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
+}
+
+impl Args {
+    /// What the types of the options do not say.
+    pub fn check(&self) -> Result<(), String> {
+        if self.frames == 0 {
+            return Err("--frames must be at least 1".to_owned());
+        }
+        if !(16..=4096).contains(&self.size) {
+            return Err(format!("--size must be in 16...4096 pixels, got {}", self.size));
+        }
+        if !self.resolution.is_power_of_two() || self.resolution > 256 {
+            return Err(format!("--resolution must be a power of two of at most 256, got {}", self.resolution));
+        }
+        if self.threads == Some(0) {
+            return Err("--threads must be at least 1".to_owned());
+        }
+        if !self.rotate_env.is_finite() || self.exposure.is_some_and(|e| !e.is_finite()) {
+            return Err("--rotate-env and --exposure must be finite numbers".to_owned());
+        }
+        Ok(())
+    }
 }
 
 /// Built-in scenes.

@@ -1,5 +1,8 @@
 //! Which coefficients to keep: non-linear approximation.
 
+use std::fmt;
+use std::str::FromStr;
+
 use super::{Index2d, Pyramid, SparseVector};
 use crate::{Error, Real, Result};
 
@@ -41,6 +44,48 @@ pub enum Keep {
     Terms(usize),
     /// This part of the vector's length, in [0, 1], rounded up to whole terms.
     Fraction(f64),
+}
+
+impl Keep {
+    /// How many terms of `len` are kept, before scaling functions that are always kept: at most `len`, and all of them for a
+    /// fraction above 1.
+    pub fn of(self, len: usize) -> usize {
+        match self {
+            Self::Terms(n) => n.min(len),
+            // The product's own rounding must not cost a term: 0.07·100 is 7.000000000000001.
+            Self::Fraction(f) => ((f * len as f64 * (1.0 - 2.0 * f64::EPSILON)).ceil() as usize).min(len),
+        }
+    }
+}
+
+/// `all`, a count (`246`), or a percentage (`1%`).
+impl FromStr for Keep {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let parsed = match text.strip_suffix('%') {
+            _ if text == "all" => Some(Self::Fraction(1.0)),
+            Some(percent) => {
+                percent.parse::<f64>().ok().filter(|p| *p > 0.0 && *p <= 100.0).map(|p| Self::Fraction(p / 100.0))
+            }
+            None => text.parse().ok().filter(|n| *n > 0).map(Self::Terms),
+        };
+        parsed.ok_or_else(|| Error::Syntax {
+            what: "number of terms",
+            given: text.to_owned(),
+            reason: "give `all`, a count such as 246, or a percentage such as 1%".to_owned(),
+        })
+    }
+}
+
+impl fmt::Display for Keep {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Terms(n) => write!(f, "{n}"),
+            Self::Fraction(1.0) => f.write_str("all"),
+            Self::Fraction(x) => write!(f, "{}%", x * 100.0),
+        }
+    }
 }
 
 /// Whether scaling functions (the first coefficient of each block) must earn their place.
@@ -98,6 +143,13 @@ pub struct Selection<'a, T> {
 pub struct SelectionScratch {
     ranked: Vec<(f64, u32)>,
     indices: Vec<u32>,
+}
+
+impl SelectionScratch {
+    /// The indices that the last selection kept, ascending.
+    pub fn kept(&self) -> &[u32] {
+        &self.indices
+    }
 }
 
 impl<'a, T: Real> Selection<'a, T> {
@@ -240,12 +292,10 @@ impl<'a, T: Real> Selection<'a, T> {
 
     fn terms(&self, len: usize) -> Result<usize> {
         match self.keep {
-            Keep::Terms(n) => Ok(n),
-            // The product's own rounding must not cost a term: 0.07·100 is 7.000000000000001.
-            Keep::Fraction(f) if (0.0..=1.0).contains(&f) => {
-                Ok((f * len as f64 * (1.0 - 2.0 * f64::EPSILON)).ceil() as usize)
+            Keep::Fraction(got) if !(0.0..=1.0).contains(&got) => {
+                Err(Error::OutOfRange { what: "fraction of terms", got, allowed: "in [0, 1]" })
             }
-            Keep::Fraction(got) => Err(Error::OutOfRange { what: "fraction of terms", got, allowed: "in [0, 1]" }),
+            keep => Ok(keep.of(len)),
         }
     }
 

@@ -67,7 +67,8 @@ impl std::fmt::Debug for TexelVisibility<'_> {
 /// in `f64`, through [`Brdf::eval`]. No approximation but the texels themselves: light, visibility and BRDF are constant
 /// over a texel, taken at its centre. Texels with V = 0 and texels below the horizon are passed over, which changes nothing.
 ///
-/// Shapes: the result is one RGB a vertex. A vertex seen from behind is black.
+/// Shapes: the result is one RGB a vertex. A vertex seen from behind is black, unless its BRDF does not
+/// depend on the view ([`View::outgoing`]).
 /// Cost: measured in `benches/ground_truth.rs`. Parallel over vertices; the same bits for any number of threads.
 #[derive(Debug, Clone, Copy)]
 pub struct GroundTruth<'a> {
@@ -213,10 +214,10 @@ struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
-        let frame = truth.mesh.frame(vertex);
-        let wo = frame.to_local(&truth.view.wo(&truth.mesh.positions()[vertex]));
+        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.frame(vertex));
+        let wo = frame.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
         let frame = [frame.tangent.cast(), frame.bitangent.cast(), frame.normal.cast()];
-        Self { brdf: truth.materials.brdf(vertex), frame, wo }
+        Self { brdf, frame, wo }
     }
 
     /// The light of texel i that is reflected, without visibility.

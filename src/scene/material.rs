@@ -78,6 +78,13 @@ impl Materials {
         self.brdfs.iter().all(|b| b.is_view_independent())
     }
 
+    /// Whether these are the same BRDF objects (not merely equal ones) on the same vertices.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.parts == other.parts
+            && self.brdfs.len() == other.brdfs.len()
+            && self.brdfs.iter().zip(&other.brdfs).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
     /// Checks that there is a part for each of `vertices`.
     ///
     /// # Errors

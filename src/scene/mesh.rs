@@ -17,6 +17,13 @@ pub struct Frame {
 }
 
 impl Frame {
+    /// A frame around a normal; its tangent is arbitrary but deterministic.
+    pub fn around(normal: &UnitVector3<f64>) -> Self {
+        let normal = normal.cast::<f32>().into_inner();
+        let tangent = perpendicular(&normal);
+        Self { tangent, bitangent: normal.cross(&tangent), normal }
+    }
+
     /// World to local coordinates, in `f64`.
     #[inline]
     pub fn to_local(&self, world: &Vector3<f64>) -> Vector3<f64> {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use super::{Brdf, Frame};
 use crate::{Error, Result};
 
 /// Where the viewer is: at a point, or infinitely far away.
@@ -47,6 +48,15 @@ impl View {
             Kind::Eye(eye) => unit(&(eye - position.cast::<f64>())).unwrap_or_else(Vector3::zeros),
             Kind::Direction(direction) => direction,
         }
+    }
+}
+
+impl View {
+    /// The direction in which the radiance of a vertex is asked for: to the viewer, or along the normal for a BRDF that does
+    /// not depend on it, so that a diffuse vertex has its colour wherever it is seen from.
+    #[inline]
+    pub fn outgoing(&self, brdf: &dyn Brdf, position: &Vector3<f32>, frame: &Frame) -> Vector3<f64> {
+        if brdf.is_view_independent() { frame.normal.cast() } else { self.wo(position) }
     }
 }
 

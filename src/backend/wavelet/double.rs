@@ -8,10 +8,10 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::light::{ProjectedLight, Terms};
+use super::light::ProjectedLight;
 use crate::backend::archive;
 use crate::error::check_length;
-use crate::haar::{Decomposition, Transform2d, Weighting};
+use crate::haar::{Keep, Transform2d, Weighting};
 use crate::scene::{BinaryVisibility, DirectionTable, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Progress, Result};
@@ -327,8 +327,9 @@ impl Baker<'_> {
             let brdf = self.materials.brdf(v);
             let planes = brdf.planes();
             let samples = &mut samples[..planes * n];
-            let wo = self.view.wo(&self.mesh.positions()[v]);
-            brdf.sample_cos(&self.mesh.frame(v), &wo, &self.directions, samples);
+            let frame = self.mesh.frame(v);
+            let wo = self.view.outgoing(brdf, &self.mesh.positions()[v], &frame);
+            brdf.sample_cos(&frame, &wo, &self.directions, samples);
             for plane in samples.chunks_exact_mut(n) {
                 super::mask(self.directions.grid(), self.visibility.vertex(v), plane);
             }
@@ -423,14 +424,15 @@ impl<'a> DoubleRelighter<'a> {
         Ok(Self { transport, projected: ProjectedLight::new(transport.grid)?, light: Vec::new() })
     }
 
-    /// Sets the light: radiance on the transport's grid, of which `terms` wavelets are kept, the same for R, G and B.
+    /// Sets the light: radiance on the transport's grid, of which `keep` wavelets are kept, the same for R, G and B.
     ///
     /// # Errors
     /// [`Error::Length`] for a light on another grid; what selection refuses.
-    pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>, terms: Terms, weighting: Weighting) -> Result<()> {
+    pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>, keep: Keep, weighting: Weighting<'_, f32>) -> Result<()> {
         self.projected.set(light)?;
+        let kept = self.projected.select(keep, weighting)?;
         self.light.clear();
-        for i in self.projected.select(terms, weighting)? {
+        for &i in kept[0].indices() {
             let [r, g, b] = self.projected.coefficient(i as usize);
             self.light.push((i, [r, g, b, 0.0]));
         }

@@ -2,8 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Terms;
-use crate::haar::{Transform2d, Weighting};
+use crate::haar::{Keep, Selection, SparseVector, Transform2d, Weighting};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
@@ -95,5 +94,24 @@ impl ProjectedLight {
     #[inline]
     pub fn coefficient(&self, index: usize) -> [f32; 3] {
         [self.coefficients[0][index], self.coefficients[1][index], self.coefficients[2][index]]
+    }
+
+    /// The kept coefficients of each channel, the same indices in all three: scaling functions always, then by weight.
+    ///
+    /// # Errors
+    /// What [`Selection::apply_channels`] refuses.
+    pub fn select(&self, keep: Keep, weighting: Weighting<'_, f32>) -> Result<[SparseVector<f32>; 3]> {
+        let selection = Selection::new(keep).with_weighting(weighting).with_blocks_of(self.grid.face_len());
+        selection.apply_channels(self.coefficients.each_ref().map(Vec::as_slice))
+    }
+
+    /// The weighted texels of a selection.
+    pub fn texels_of(&self, kept: &[SparseVector<f32>; 3]) -> [Vec<f32>; 3] {
+        let mut scratch = vec![0.0; self.transform.scratch_len()];
+        kept.each_ref().map(|kept| {
+            let mut texels = vec![0.0; self.grid.len()];
+            self.transform.inverse_batch(&kept.to_dense(), &mut texels, &mut scratch);
+            texels
+        })
     }
 }

@@ -11,22 +11,20 @@
 //! | cost of a frame | entries in the columns of the kept light terms | a BRDF slice and six product integrals a vertex |
 //!
 //! A face's light is weighted by side² × solid angle of each texel, so that the mean over the face of
-//! light × visibility × brdf_cos is the integral over its solid angle. Which terms of the light to keep: see [`Terms`] and
-//! [`Weighting`](crate::haar::Weighting); by magnitude alone 1 % of the terms is too few (docs/performance.md has the figures).
+//! light × visibility × brdf_cos is the integral over its solid angle. Which terms of the light to keep: see [`Selection`](crate::haar::Selection); by magnitude alone 1 % of the terms is too few (docs/performance.md has the figures).
 //!
 //! Sources: [Ng 2003], [Ng 2004]; docs/references.md names a patent on product integrals by wavelet trees.
 
 mod double;
 mod light;
-mod terms;
+mod slices;
 mod triple;
 
 pub use double::{DoubleRelighter, DoubleSettings, DoubleTransport, Precision};
 pub use light::ProjectedLight;
-pub use terms::Terms;
 pub use triple::{Slices, TripleRelighter, TripleSettings, TripleTransport};
 
-use crate::haar::{Decomposition, Transform2d};
+use crate::haar::{Decomposition, MaskedSum, SparseVector, Transform2d};
 use crate::scene::{BinaryVisibility, Materials, Mesh};
 use crate::sphere::CubeGrid;
 use crate::{Error, Result};
@@ -42,5 +40,22 @@ fn check_scene(mesh: &Mesh, visible: usize, materials: &Materials) -> Result<()>
     if visible != expected {
         return Err(Error::Length { what: "visibility maps", expected, got: visible });
     }
-    materials.check_vertices(expected)
+    materials.check(expected)
+}
+
+/// The `len` coefficients from `start` on, as a vector of their own.
+fn slice_of(whole: &SparseVector<f32>, start: usize, len: usize) -> SparseVector<f32> {
+    let from = whole.indices().partition_point(|&i| (i as usize) < start);
+    let to = whole.indices().partition_point(|&i| (i as usize) < start + len);
+    let indices = whole.indices()[from..to].iter().map(|&i| i - start as u32).collect();
+    SparseVector::new(len, indices, whole.values()[from..to].to_vec()).expect("a run of a sparse vector is one")
+}
+
+/// Sets the values of directions that a vertex does not see to 0. Shapes: six faces of words, six of values.
+fn mask(grid: CubeGrid, words: &[u64], values: &mut [f32]) {
+    let masked = MaskedSum::new();
+    let (face, words_per_face) = (grid.face_len(), BinaryVisibility::words_per_face(grid));
+    for (values, words) in values.chunks_exact_mut(face).zip(words.chunks_exact(words_per_face)) {
+        masked.mask_in_place(words, values);
+    }
 }

@@ -87,7 +87,7 @@ impl TripleTransport {
         let grid = grid.ok_or_else(|| reader.wrong(format!("{side} is not a side of a cube map")))?;
         let words: Vec<u64> = reader.array("words of visibility", None)?;
         let got = words.len();
-        let visibility = BinaryVisibility::from_words(grid, words)
+        let visibility = BinaryVisibility::new(grid, words)
             .map_err(|_| reader.wrong(format!("{got} words are no whole number of visibility maps of side {side}")))?;
         reader.finish()?;
         Ok(Self { visibility })

@@ -1,0 +1,109 @@
+//! What is lit, by what, and how it reflects.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use haarmonic::io;
+use haarmonic::nalgebra::{Rotation3, Vector3};
+use haarmonic::scene::{Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materials, Mesh, Phong, Procedural, Sky, Sum};
+
+use crate::args::{Args, BuiltIn};
+use crate::{Failure, warn};
+
+/// The scene as the command line describes it.
+pub struct Scene {
+    pub name: String,
+    pub mesh: Mesh,
+    pub materials: Materials,
+    pub brdf: String,
+    pub camera: Camera,
+    pub light_name: String,
+    pub light: EnvironmentLight,
+}
+
+impl Scene {
+    pub fn new(args: &Args) -> Result<Self, Failure> {
+        let given = args.brdf.as_deref().map(|text| text.parse::<BrdfSpec>()?.build()).transpose()?;
+        let (name, mesh, camera, materials) = match &args.mesh {
+            Some(path) => {
+                let loaded = io::load_mesh(path)?;
+                loaded.warnings.iter().for_each(warn);
+                let view = args.view.unwrap_or(Vector3::new(0.35, 0.3, 1.0));
+                let camera = Camera::framing(&loaded.value, &view, &args.up, FIELD_OF_VIEW, 1.0)?;
+                let materials = given.unwrap_or_else(|| Arc::new(diffuse()));
+                (file_name(path), loaded.value, camera, Materials::uniform_shared(materials))
+            }
+            None => {
+                let scene = match args.scene {
+                    BuiltIn::TorusKnot => Procedural::TorusKnotOnFloor,
+                    BuiltIn::Spheres => Procedural::StackedSpheres,
+                    BuiltIn::Table => Procedural::Table,
+                    BuiltIn::BasRelief => Procedural::BasRelief,
+                };
+                let model = scene.build(args.vertices)?;
+                let camera = match args.view {
+                    Some(view) => Camera::framing(&model.mesh, &view, &args.up, FIELD_OF_VIEW, 1.0)?,
+                    None => model.camera,
+                };
+                let materials = match given {
+                    Some(brdf) => Materials::uniform_shared(brdf),
+                    None => palette(&model.part_names, model.parts.iter().map(|&p| u32::from(p)).collect())?,
+                };
+                (scene.name().to_owned(), model.mesh, camera, materials)
+            }
+        };
+        let brdf = args.brdf.clone().unwrap_or_else(|| match args.mesh {
+            Some(_) => "lambert:0.8".to_owned(),
+            None => "built-in".to_owned(),
+        });
+        let (light_name, light) = environment(&args.env)?;
+        let light = light.with_rotation(turn(args.rotate_env));
+        Ok(Self { name, mesh, materials, brdf, camera, light_name, light })
+    }
+}
+
+/// A turn about +y.
+pub fn turn(degrees: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector3::y_axis(), degrees.to_radians())
+}
+
+const FIELD_OF_VIEW: f64 = 0.6;
+
+fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn diffuse() -> Lambert {
+    Lambert::new(Vector3::repeat(0.8)).expect("an albedo below 1 is allowed")
+}
+
+/// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured.
+fn palette(names: &[&str], parts: Vec<u32>) -> Result<Materials, Failure> {
+    let colours = [[0.75, 0.24, 0.12], [0.15, 0.35, 0.6], [0.6, 0.5, 0.2], [0.25, 0.5, 0.3]];
+    let brdf = |(i, name): (usize, &&str)| -> Result<Arc<dyn Brdf>, Failure> {
+        if *name == "floor" || names.len() == 1 {
+            return Ok(Arc::new(Lambert::new(Vector3::new(0.72, 0.7, 0.66))?));
+        }
+        let body: Arc<dyn Brdf> = Arc::new(Lambert::new(colours[i % colours.len()].into())?);
+        let gloss: Arc<dyn Brdf> = Arc::new(Phong::new(Vector3::repeat(0.2), 40.0)?);
+        Ok(Arc::new(Sum::new(vec![(1.0, body), (1.0, gloss)])?))
+    };
+    Ok(Materials::new(names.iter().enumerate().map(brdf).collect::<Result<_, _>>()?, parts)?)
+}
+
+fn environment(name: &str) -> Result<(String, EnvironmentLight), Failure> {
+    let sky = match name {
+        "sky" => Some(Sky::default()),
+        "sunset" => Some(Sky::sunset()),
+        "studio" => Some(Sky::studio()),
+        _ => None,
+    };
+    match sky {
+        Some(sky) => Ok((name.to_owned(), EnvironmentLight::from_sky(sky)?)),
+        None => {
+            let loaded = io::load_environment(name)?;
+            loaded.warnings.iter().for_each(warn);
+            Ok((file_name(Path::new(name)), loaded.value))
+        }
+    }
+}
