@@ -1,10 +1,29 @@
-//! Haar wavelets.
+//! Haar wavelets on [0, 1] and [0, 1]²: transforms, pyramids, sparse vectors and the choice of terms.
+//!
+//! A signal or image is the piecewise constant function whose values on 2^k cells a side are its samples. Its
+//! coefficients are inner products with an orthonormal basis of the *unit* interval or square, so they do not change when
+//! the same function is sampled more finely, coefficient 0 is the mean, and Σ c² is the mean of x² (Parseval).
+//!
+//! | basis | index | function | made by |
+//! |---|---|---|---|
+//! | 1D | 0; 2^l + t ([`Index1d`]) | 1; 2^{l/2} ψ(2^l v − t) | [`Transform1d`] |
+//! | 2D nonstandard | 0; 4^l·kind + y·2^l + x ([`Index2d`]) | 1; 2^l·{ψφ, φψ, ψψ}(2^l u − (x, y)) | [`Transform2d`], [`Decomposition::Nonstandard`] |
+//! | 2D standard | k_y·width + k_x | ψ_{k_x}(x) ψ_{k_y}(y) | [`Transform2d`], [`Decomposition::Standard`] |
+//!
+//! Which one: products of three functions and quadtrees need the *nonstandard* basis, whose supports are squares; it is
+//! also the cheaper transform. Separable work (one axis scaled or filtered apart from the other) wants *standard*.
+//!
+//! NaN and infinity reach exactly the coefficients whose basis function covers the sample, and back.
 
 mod coupling;
 mod index;
 mod n_fold;
 mod product;
+mod pyramid;
 mod sparse;
+mod transform_1d;
+mod transform_2d;
+mod transform_kernels;
 mod triple;
 mod tripling;
 mod wavelet_tree;
@@ -13,7 +32,10 @@ pub use coupling::coupling;
 pub use index::{Index1d, Index2d, Kind};
 pub use n_fold::NFoldProduct;
 pub use product::{Product1d, Product2d, multiply_sparse_1d, multiply_sparse_2d};
+pub use pyramid::Pyramid;
 pub use sparse::SparseVector;
+pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
+pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};
 pub use triple::{
     BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NgTree, NgTripleProduct, Route, SparseNodes, TripleProduct,
     Visibility, rows_to_morton, upper_means,
