@@ -15,19 +15,37 @@
 //!
 //! NaN and infinity reach exactly the coefficients whose basis function covers the sample, and back.
 
+mod coupling;
 mod index;
 mod layout;
+mod n_fold;
+mod product;
 mod pyramid;
 mod select;
 mod sparse;
 mod transform_1d;
 mod transform_2d;
 mod transform_kernels;
+mod triple;
+mod tripling;
+mod wavelet_tree;
 
+pub use coupling::coupling;
 pub use index::{Index1d, Index2d, Kind};
 pub use layout::{PyWaveletsLayout, from_pywavelets_1d, from_pywavelets_2d, to_pywavelets_1d, to_pywavelets_2d};
+pub use n_fold::NFoldProduct;
+pub use product::{Product1d, Product2d, multiply_sparse_1d, multiply_sparse_2d};
 pub use pyramid::Pyramid;
 pub use select::{ChannelRule, Keep, ScalingTerms, Selection, SelectionScratch, Weighting, select, transport_weights};
 pub use sparse::SparseVector;
 pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
 pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};
+pub use triple::{
+    BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NgTree, NgTripleProduct, Route, SparseNodes, TripleProduct,
+    Visibility, rows_to_morton, upper_means,
+};
+pub use tripling::{
+    Tripling, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,
+    tripling_nonzeros_2d,
+};
+pub use wavelet_tree::{BinaryTree, Quadtree, WaveletTree};
