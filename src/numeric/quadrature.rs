@@ -3,6 +3,10 @@
 use crate::{Error, Result};
 
 /// The `n`-point Gauss–Legendre rule on [−1, 1]: exact for polynomials up to degree 2n − 1.
+///
+///   ∫ f ≈ Σ w_i f(x_i),  P_n(x_i) = 0,  w_i = 2 / ((1 − x_i²) P_n′(x_i)²)      [Abramowitz & Stegun 25.4.29]
+///
+/// Accuracy: nodes to 2 eps, weights to 1e-13 relative up to n = 512. Cost: n² multiplications to build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussLegendre {
     nodes: Vec<f64>,
@@ -50,6 +54,19 @@ impl GaussLegendre {
         Ok(Self { nodes, weights })
     }
 
+    /// ∫ f over [a, b].
+    ///
+    /// # Example
+    /// ```
+    /// let rule = haarmonic::numeric::GaussLegendre::new(3)?;
+    /// assert!((rule.integrate(0.0, 2.0, |x| x.powi(5)) - 64.0 / 6.0).abs() < 1e-13);
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn integrate(&self, a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        half * self.nodes.iter().zip(&self.weights).map(|(x, w)| w * f(middle + half * x)).sum::<f64>()
+    }
+
     /// The nodes, ascending in (−1, 1).
     pub fn nodes(&self) -> &[f64] {
         &self.nodes
@@ -84,6 +101,27 @@ mod tests {
                 let exact = if degree % 2 == 0 { 2.0 / (degree as f64 + 1.0) } else { 0.0 };
                 assert!((sum - exact).abs() < 1e-13, "n {n}, degree {degree}: {sum} against {exact}");
             }
+        }
+    }
+
+    #[test]
+    fn nodes_and_weights_match_published_digits() {
+        // Abramowitz & Stegun, table 25.4: n = 5 and the largest node of n = 96.
+        let five = GaussLegendre::new(5).unwrap();
+        assert!((five.nodes()[4] - 0.906_179_845_938_664).abs() < 1e-15);
+        assert!((five.weights()[4] - 0.236_926_885_056_189).abs() < 1e-15);
+        let many = GaussLegendre::new(96).unwrap();
+        assert!((many.nodes()[95] - 0.999_689_503_883_230).abs() < 1e-15);
+        assert!((many.weights()[95] - 0.000_796_792_065_552).abs() < 1e-15);
+    }
+
+    #[test]
+    fn large_rules_are_symmetric_and_sum_to_two() {
+        for n in [1, 2, 129, 512] {
+            let rule = GaussLegendre::new(n).unwrap();
+            assert!((rule.weights().iter().sum::<f64>() - 2.0).abs() < 1e-13, "n {n}");
+            assert!(rule.nodes().windows(2).all(|p| p[0] < p[1]));
+            assert!((0..n).all(|i| rule.nodes()[i] == -rule.nodes()[n - 1 - i]));
         }
     }
 

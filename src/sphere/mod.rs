@@ -1,9 +1,29 @@
 //! Directions and the domains that hold functions of direction.
+//!
+//! | domain | for |
+//! |---|---|
+//! | [`CubeMap`] | light and transport: nearly square texels, six plain images for 2D wavelets |
+//! | [`LatLongMap`] | environment photographs, as files hold them |
+//! | [`HemisphereDisk`] | local hemispheres in the plane, areas in proportion |
+//! | [`SphereQuadrature`] | integrals of smooth functions, exact to a stated degree |
+//!
+//! Maps are resampled into each other by [`Resampling`], energy kept: ∫ L dω is the same before and after.
 
 mod cube_grid;
 mod cube_map;
+mod hemisphere_disk;
+mod lat_long;
+mod overlap_cube;
+mod overlap_lat_long;
+pub(crate) mod parallel;
+mod quadrature;
+mod resample;
 mod texel;
 
 pub use cube_grid::{CubeGrid, Face};
 pub use cube_map::CubeMap;
+pub use hemisphere_disk::HemisphereDisk;
+pub use lat_long::{LatLongConvention, LatLongGrid, LatLongMap};
+pub use quadrature::{SphereQuadrature, fibonacci_directions};
+pub use resample::Resampling;
 pub use texel::Texel;

@@ -1,5 +1,6 @@
 //! What a map of directions can hold: scalars and RGB.
 
+use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
 use nalgebra::Vector3;
@@ -8,7 +9,9 @@ use num_traits::Zero;
 use crate::Real;
 
 /// A value that maps interpolate and integrate: `f32`, `f64`, or an RGB `Vector3` of them.
-pub trait Texel: Copy + Zero + Add<Output = Self> + Mul<Self::Scalar, Output = Self> + Send + Sync + 'static {
+pub trait Texel:
+    Copy + Debug + PartialEq + Zero + Add<Output = Self> + Mul<Self::Scalar, Output = Self> + Send + Sync + 'static
+{
     /// The scalar that scales it.
     type Scalar: Real;
     /// The same value in `f64`, in which sums run.
@@ -19,6 +22,10 @@ pub trait Texel: Copy + Zero + Add<Output = Self> + Mul<Self::Scalar, Output = S
     fn narrow(wide: Self::Wide) -> Self;
     /// Whether every component is finite.
     fn is_finite(self) -> bool;
+    /// `f` of every component.
+    fn map_components(self, f: impl Fn(Self::Scalar) -> Self::Scalar) -> Self;
+    /// `f` of every pair of components.
+    fn zip_components(self, other: Self, f: impl Fn(Self::Scalar, Self::Scalar) -> Self::Scalar) -> Self;
 }
 
 macro_rules! scalar_texel {
@@ -37,6 +44,14 @@ macro_rules! scalar_texel {
             fn is_finite(self) -> bool {
                 <$t>::is_finite(self)
             }
+            #[inline(always)]
+            fn map_components(self, f: impl Fn($t) -> $t) -> Self {
+                f(self)
+            }
+            #[inline(always)]
+            fn zip_components(self, other: Self, f: impl Fn($t, $t) -> $t) -> Self {
+                f(self, other)
+            }
         }
 
         impl Texel for Vector3<$t> {
@@ -52,6 +67,14 @@ macro_rules! scalar_texel {
             }
             fn is_finite(self) -> bool {
                 self.iter().all(|c| <$t>::is_finite(*c))
+            }
+            #[inline(always)]
+            fn map_components(self, f: impl Fn($t) -> $t) -> Self {
+                self.map(f)
+            }
+            #[inline(always)]
+            fn zip_components(self, other: Self, f: impl Fn($t, $t) -> $t) -> Self {
+                self.zip_map(&other, f)
             }
         }
     };
