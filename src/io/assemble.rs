@@ -82,7 +82,7 @@ impl Soup {
         self.repair_normals(&mut report);
         let failed = |e: crate::Error| report.error("", e.to_string());
         let mesh = match self.normals {
-            Some(normals) => build_with_normals(self.positions, normals, self.faces),
+            Some(normals) => Mesh::with_normals(self.positions, normals, self.faces),
             None => Mesh::new(self.positions, self.faces),
         }
         .map_err(failed)?;
@@ -196,11 +196,4 @@ impl Soup {
             );
         }
     }
-}
-
-/// A mesh with the given unit normals; zero ones are computed.
-fn build_with_normals(positions: Vec<Vector3<f32>>, normals: Vec<Vector3<f32>>, faces: Vec<[u32; 3]>) -> Result<Mesh> {
-    // Until Mesh::with_normals is there.
-    let _ = normals;
-    Mesh::new(positions, faces)
 }

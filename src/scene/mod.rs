@@ -4,10 +4,13 @@ mod brdf;
 mod bvh;
 mod camera;
 mod ground_truth;
+mod light;
 mod material;
 mod mesh;
+mod metrics;
 mod picture;
 mod procedural;
+mod tone_map;
 mod view;
 mod visibility;
 
@@ -18,10 +21,13 @@ pub use brdf::{
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
+pub use light::{EnvironmentLight, Sky, SoftBox, Sun};
 pub use material::Materials;
 pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
+pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
 pub use picture::Picture;
 pub use procedural::{Model, Procedural};
+pub use tone_map::{ToneMap, linear_to_srgb, srgb_to_linear};
 pub use view::View;
 pub use visibility::{
     BackFaces, BinaryVisibility, FractionalVisibility, VisibilityBaker, VisibilityScratch, VisibilitySettings,

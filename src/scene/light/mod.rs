@@ -1,0 +1,129 @@
+//! Distant light: an environment map or a procedural sky, turned as the user likes.
+
+mod sky;
+mod sun;
+
+use nalgebra::{Rotation3, Vector3};
+
+pub use sky::{Sky, SoftBox, Sun};
+
+use crate::sphere::{CubeGrid, CubeMap, LatLongMap, Resampling};
+use crate::{Error, Result};
+
+/// Light from infinitely far away: linear RGB radiance for every direction towards it.
+///
+/// Pixels must be finite: NaN and infinities, which would spread over a whole relit scene, are refused. Negative pixels,
+/// which reconstruction filters leave in photographs, become 0 and are counted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnvironmentLight {
+    source: Source,
+    rotation: Rotation3<f64>,
+    clamped: usize,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Source {
+    LatLong(LatLongMap<Vector3<f32>>),
+    Cube(CubeMap<Vector3<f32>>),
+    Sky(Sky),
+}
+
+impl EnvironmentLight {
+    /// The light of a latitude–longitude map.
+    ///
+    /// Maps drawn for another program are turned by
+    /// [`LatLongConvention::rotation`](crate::sphere::LatLongConvention::rotation).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] with the first pixel that is NaN or infinite.
+    pub fn from_lat_long(map: LatLongMap<Vector3<f32>>) -> Result<Self> {
+        if let Some(index) = map.first_not_finite() {
+            return Err(Error::NotFinite { what: "environment map pixel", index });
+        }
+        let clamped = count_negative(map.pixels());
+        let map = if clamped == 0 { map } else { map.map(|p| p.map(|c| c.max(0.0))) };
+        Ok(Self { source: Source::LatLong(map), rotation: Rotation3::identity(), clamped })
+    }
+
+    /// The light of a cube map.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] with the first texel that is NaN or infinite.
+    pub fn from_cube(map: CubeMap<Vector3<f32>>) -> Result<Self> {
+        if let Some(index) = map.first_not_finite() {
+            return Err(Error::NotFinite { what: "environment map texel", index });
+        }
+        let clamped = count_negative(map.texels());
+        let map = if clamped == 0 { map } else { map.map(|p| p.map(|c| c.max(0.0))) };
+        Ok(Self { source: Source::Cube(map), rotation: Rotation3::identity(), clamped })
+    }
+
+    /// The light of a procedural sky.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] or [`Error::OutOfRange`] for a colour that is not finite or negative, or a size outside the
+    /// range that its field states.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::scene::{EnvironmentLight, Sky};
+    /// use haarmonic::sphere::CubeGrid;
+    /// let light = EnvironmentLight::from_sky(Sky::sunset())?;
+    /// let (coarse, fine) = (light.to_cube(CubeGrid::new(2)?), light.to_cube(CubeGrid::new(64)?));
+    /// assert!((coarse.integral() - fine.integral()).norm() < 1e-5 * fine.integral().norm());
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn from_sky(sky: Sky) -> Result<Self> {
+        sky.check()?;
+        Ok(Self { source: Source::Sky(sky), rotation: Rotation3::identity(), clamped: 0 })
+    }
+
+    /// This light turned by `rotation` and nothing else: what came from ω then comes from Rω.
+    pub fn with_rotation(mut self, rotation: Rotation3<f64>) -> Self {
+        self.rotation = rotation;
+        self
+    }
+
+    /// Turns the light, as [`with_rotation`](Self::with_rotation).
+    pub fn set_rotation(&mut self, rotation: Rotation3<f64>) {
+        self.rotation = rotation;
+    }
+
+    /// How the light is turned.
+    pub fn rotation(&self) -> &Rotation3<f64> {
+        &self.rotation
+    }
+
+    /// How many pixels had a negative channel that became 0.
+    pub fn clamped_pixels(&self) -> usize {
+        self.clamped
+    }
+
+    /// The radiance that comes from `direction`: bilinear for maps, analytic for a sky. `direction` need not be unit.
+    pub fn radiance(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let within = self.rotation.inverse_transform_vector(direction);
+        match &self.source {
+            Source::LatLong(map) => map.bilinear(&within),
+            Source::Cube(map) => map.bilinear(&within),
+            Source::Sky(sky) => sky.radiance(&within),
+        }
+    }
+
+    /// The mean radiance over every texel of a cube.
+    ///
+    /// Maps are resampled by [`Resampling::Smooth`], which keeps ∫ L dω at any size. Of a sky the sun keeps its energy
+    /// exactly, the rest to 1e-5: it is averaged over 256² or more points a face.
+    /// Accuracy: ∫ L dω of maps to the rounding of `f32`, 1e-7 relative.
+    pub fn to_cube(&self, grid: CubeGrid) -> CubeMap<Vector3<f32>> {
+        match &self.source {
+            Source::LatLong(map) => map.to_cube(grid, &self.rotation, Resampling::Smooth),
+            Source::Cube(map) => map.to_cube(grid, &self.rotation, Resampling::Smooth),
+            Source::Sky(sky) => sky.to_cube(grid, &self.rotation),
+        }
+    }
+}
+
+/// How many pixels have a negative channel.
+fn count_negative(pixels: &[Vector3<f32>]) -> usize {
+    pixels.iter().filter(|p| p.iter().any(|&c| c < 0.0)).count()
+}

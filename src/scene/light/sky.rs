@@ -1,0 +1,264 @@
+//! A procedural sky: a gradient, a ground, a sun and soft boxes.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
+
+use super::sun::{angle, disc_shares};
+use crate::sphere::{CubeGrid, CubeMap};
+use crate::{Error, Result};
+
+/// A sky made of numbers, in high dynamic range; +y is up.
+///
+///   L(ω) = mix(ground, horizon + (zenith − horizon) · y^falloff, above(y)) + sun + Σ soft boxes
+///
+/// `above` runs smoothly from 0 to 1 within `horizon_softness` of the horizon.
+///
+/// # Example
+/// ```
+/// use haarmonic::{nalgebra::Vector3, scene::Sky};
+/// let sky = Sky::default();
+/// assert_eq!(sky.radiance(&Vector3::y()), sky.zenith);
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sky {
+    /// Radiance straight up.
+    pub zenith: Vector3<f64>,
+    /// Radiance just above the horizon.
+    pub horizon: Vector3<f64>,
+    /// Radiance of everything below the horizon.
+    pub ground: Vector3<f64>,
+    /// How fast the horizon's colour gives way: the exponent of y = sin(elevation), in (0, 16]. Small values keep the
+    /// horizon's colour in a thin band.
+    pub falloff: f64,
+    /// Half the height, in y, of the passage from ground to sky, in [0, 1]. 0 is a sharp edge.
+    pub horizon_softness: f64,
+    /// The sun, if there is one.
+    pub sun: Option<Sun>,
+    /// Lamps before the sky; they add to it.
+    pub boxes: Vec<SoftBox>,
+}
+
+/// A disc of constant radiance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Where its centre stands.
+    pub direction: UnitVector3<f64>,
+    /// Angular radius in radians, in (0, π/2]; the real sun's is 0.00465.
+    pub angular_radius: f64,
+    /// Radiance of the disc, added to the sky's. Irradiance on a surface that faces it is radiance · π sin² radius.
+    pub radiance: Vector3<f64>,
+}
+
+/// A rectangular lamp with soft edges, as photographers use them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SoftBox {
+    /// Where its centre stands; its upper edge is level unless it stands straight up or down.
+    pub direction: UnitVector3<f64>,
+    /// Half its width and height on the plane at distance 1, each in (0, 100].
+    pub half_size: [f64; 2],
+    /// Width of the soft edge as a fraction of the half size, in [0, 1].
+    pub softness: f64,
+    /// Radiance in the middle.
+    pub radiance: Vector3<f64>,
+}
+
+impl Default for Sky {
+    /// A clear afternoon: blue zenith, pale horizon, earthy ground, the sun 40° high towards +x and −z.
+    fn default() -> Self {
+        Self {
+            zenith: Vector3::new(0.18, 0.35, 0.85),
+            horizon: Vector3::new(0.75, 0.85, 1.0),
+            ground: Vector3::new(0.16, 0.13, 0.10),
+            falloff: 0.5,
+            horizon_softness: 0.02,
+            sun: Some(Sun {
+                direction: toward(40.0, 35.0),
+                angular_radius: 0.025,
+                radiance: Vector3::new(900.0, 820.0, 680.0),
+            }),
+            boxes: Vec::new(),
+        }
+    }
+}
+
+/// The unit direction at an elevation and an azimuth in degrees; azimuth 0 is −z, 90 is +x.
+fn toward(elevation: f64, azimuth: f64) -> UnitVector3<f64> {
+    let ((se, ce), (sa, ca)) = (elevation.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
+    Unit::new_normalize(Vector3::new(ce * sa, se, -ce * ca))
+}
+
+impl Sky {
+    /// A photographer's studio: a dim room, a warm key light, a cool fill light, a rim light from behind, no sun.
+    pub fn studio() -> Self {
+        let lamp = |elevation, azimuth, half_size, radiance: [f64; 3]| SoftBox {
+            direction: toward(elevation, azimuth),
+            half_size,
+            softness: 0.25,
+            radiance: radiance.into(),
+        };
+        Self {
+            zenith: Vector3::new(0.06, 0.06, 0.07),
+            horizon: Vector3::new(0.12, 0.12, 0.12),
+            ground: Vector3::new(0.05, 0.045, 0.04),
+            falloff: 1.0,
+            horizon_softness: 0.1,
+            sun: None,
+            boxes: vec![
+                lamp(35.0, 130.0, [0.45, 0.6], [14.0, 12.0, 9.5]),
+                lamp(20.0, -120.0, [0.5, 0.5], [1.6, 2.4, 4.2]),
+                lamp(50.0, -15.0, [0.7, 0.15], [8.0, 8.5, 9.0]),
+            ],
+        }
+    }
+
+    /// An evening: a low orange sun, a glowing horizon, a violet zenith.
+    pub fn sunset() -> Self {
+        Self {
+            zenith: Vector3::new(0.10, 0.13, 0.32),
+            horizon: Vector3::new(1.6, 0.75, 0.32),
+            ground: Vector3::new(0.07, 0.05, 0.05),
+            falloff: 0.35,
+            horizon_softness: 0.02,
+            sun: Some(Sun {
+                direction: toward(8.0, 110.0),
+                angular_radius: 0.03,
+                radiance: Vector3::new(620.0, 290.0, 95.0),
+            }),
+            boxes: Vec::new(),
+        }
+    }
+
+    /// This sky with another sun.
+    pub fn with_sun(mut self, sun: Option<Sun>) -> Self {
+        self.sun = sun;
+        self
+    }
+
+    /// This sky with one more soft box.
+    pub fn with_box(mut self, lamp: SoftBox) -> Self {
+        self.boxes.push(lamp);
+        self
+    }
+
+    /// The radiance from `direction`, which need not be unit; the zero vector gives the horizon's.
+    pub fn radiance(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let sun = self.sun.filter(|sun| angle(&sun.direction, direction) <= sun.angular_radius);
+        self.without_sun(direction) + sun.map_or_else(Vector3::zeros, |sun| sun.radiance)
+    }
+
+    /// Everything that varies slowly.
+    fn without_sun(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        let d = direction.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
+        let above = smooth_step(d.y, self.horizon_softness);
+        let sky = self.horizon + (self.zenith - self.horizon) * d.y.max(0.0).powf(self.falloff);
+        let backdrop = self.ground + (sky - self.ground) * above;
+        self.boxes.iter().fold(backdrop, |sum, lamp| sum + lamp.radiance * lamp.coverage(&d))
+    }
+
+    /// The mean over every texel of the sky turned by `rotation`.
+    pub(super) fn to_cube(&self, grid: CubeGrid, rotation: &Rotation3<f64>) -> CubeMap<Vector3<f32>> {
+        // At least 256 points along a face's edge, and four in each texel.
+        let across = (256usize.div_ceil(grid.side())).max(2);
+        let inverse = rotation.inverse();
+        let omega = grid.face_solid_angles();
+        let mut sunlight = vec![Vector3::<f64>::zeros(); if self.sun.is_some() { grid.len() } else { 0 }];
+        if let Some(sun) = &self.sun {
+            for (i, share) in disc_shares(grid, &(rotation * sun.direction), sun.angular_radius) {
+                sunlight[i] = sun.radiance * (share / omega[i % omega.len()]);
+            }
+        }
+        CubeMap::from_indices(
+            grid,
+            || (),
+            |i, ()| {
+                let (face, x, y) = grid.texel(i);
+                let place =
+                    |i: usize, k: usize| (2 * (i * across + k) + 1) as f64 / (grid.side() * across) as f64 - 1.0;
+                let (mut sum, mut weight) = (Vector3::zeros(), 0.0);
+                for v in (0..across).map(|k| place(y, k)) {
+                    for u in (0..across).map(|k| place(x, k)) {
+                        // dω = du dv/(1 + u² + v²)^{3/2}
+                        let squared = 1.0 + u * u + v * v;
+                        let w = 1.0 / (squared * squared.sqrt());
+                        sum += self.without_sun(&(inverse * face.point(u, v))) * w;
+                        weight += w;
+                    }
+                }
+                sum / weight + sunlight.get(i).copied().unwrap_or_else(Vector3::zeros)
+            },
+        )
+    }
+
+    /// Refuses what would make light that is negative or not finite.
+    pub(super) fn check(&self) -> Result<()> {
+        let backdrop = [("zenith", &self.zenith), ("horizon", &self.horizon), ("ground", &self.ground)];
+        let sun = self.sun.iter().map(|sun| ("sun radiance", &sun.radiance));
+        let boxes = self.boxes.iter().map(|lamp| ("soft box radiance", &lamp.radiance));
+        for (what, colour) in backdrop.into_iter().chain(sun).chain(boxes) {
+            for c in 0..3 {
+                check_range(what, colour[c], colour[c] >= 0.0, "not negative")?;
+            }
+        }
+        check_range("sky falloff", self.falloff, self.falloff > 0.0 && self.falloff <= 16.0, "in (0, 16]")?;
+        let soft = self.horizon_softness;
+        check_range("horizon softness", soft, (0.0..=1.0).contains(&soft), "in [0, 1]")?;
+        if let Some(sun) = &self.sun {
+            let r = sun.angular_radius;
+            check_range("sun's angular radius", r, r > 0.0 && r <= FRAC_PI_2, "in (0, π/2]")?;
+            check_unit("sun's direction", &sun.direction)?;
+        }
+        for lamp in &self.boxes {
+            for h in lamp.half_size {
+                check_range("soft box half size", h, h > 0.0 && h <= 100.0, "in (0, 100]")?;
+            }
+            check_range("soft box softness", lamp.softness, (0.0..=1.0).contains(&lamp.softness), "in [0, 1]")?;
+            check_unit("soft box's direction", &lamp.direction)?;
+        }
+        Ok(())
+    }
+}
+
+fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str) -> Result<()> {
+    if !got.is_finite() {
+        Err(Error::NotFinite { what, index: 0 })
+    } else if inside {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { what, got, allowed })
+    }
+}
+
+/// A `UnitVector3` can be made unchecked, or from a zero vector.
+fn check_unit(what: &'static str, direction: &UnitVector3<f64>) -> Result<()> {
+    let norm = direction.norm();
+    check_range(what, norm, (norm - 1.0).abs() < 1e-6, "of length 1")
+}
+
+impl SoftBox {
+    /// 1 inside, 0 outside, smooth across the edge; `d` unit.
+    fn coverage(&self, d: &Vector3<f64>) -> f64 {
+        let forward = d.dot(&self.direction);
+        if forward <= 0.0 {
+            return 0.0;
+        }
+        // Level upper edge: the horizontal axis is up × direction, +x for a box overhead.
+        let right = Vector3::y().cross(&self.direction).try_normalize(1e-9).unwrap_or_else(Vector3::x);
+        let up = self.direction.cross(&right);
+        let [w, h] = self.half_size;
+        let edge = |t: f64, half: f64| smooth_step(half - t.abs(), self.softness * half);
+        edge(d.dot(&right) / forward, w) * edge(d.dot(&up) / forward, h)
+    }
+}
+
+/// 0 below −width, 1 above width, a cubic between; at width 0 a step that is 1 at 0.
+fn smooth_step(x: f64, width: f64) -> f64 {
+    if x >= width {
+        1.0
+    } else if x <= -width {
+        0.0
+    } else {
+        let t = 0.5 + 0.5 * x / width;
+        t * t * (3.0 - 2.0 * t)
+    }
+}
