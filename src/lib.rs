@@ -6,7 +6,7 @@ mod error;
 mod progress;
 mod real;
 
-#[cfg(feature = "wavelet_off")]
+#[cfg(feature = "wavelet")]
 pub mod backend;
 pub mod haar;
 #[cfg(feature = "io")]

@@ -169,7 +169,8 @@ impl std::str::FromStr for Slices {
 }
 
 fn vector(text: &str) -> Result<Vector3<f64>, String> {
-    let parts: Vec<f64> = text.split(',').map(|p| p.trim().parse().map_err(|_| wrong(text))).collect::<Result<_, _>>()?;
+    let parts: Vec<f64> =
+        text.split(',').map(|p| p.trim().parse().map_err(|_| wrong(text))).collect::<Result<_, _>>()?;
     let v = match parts[..] {
         [x, y, z] => Vector3::new(x, y, z),
         _ => return Err(wrong(text)),

@@ -48,7 +48,8 @@ impl Run {
         let bar = Bar::new("visibility");
         let visibility = baker.bake(&bar)?;
         let visibility_s = bar.finish();
-        let stage = Stage { args, scene, view, grid, visibility: &visibility, visibility_s, light: scene.light.to_cube(grid) };
+        let stage =
+            Stage { args, scene, view, grid, visibility: &visibility, visibility_s, light: scene.light.to_cube(grid) };
 
         let bar = Bar::new("ground truth");
         let start = Instant::now();

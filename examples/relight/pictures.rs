@@ -1,7 +1,7 @@
 //! Pictures, error maps, and the files they go to.
 
 use haarmonic::io;
-use haarmonic::nalgebra::Vector3;
+use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::scene::{Bvh, Picture, ToneMap};
 
 use crate::Failure;
@@ -21,15 +21,19 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
         Some(stops) => ToneMap::with_exposure(stops.exp2() as f32),
         None => ToneMap::with_white(bright(&truth)),
     };
-    let sky = |direction: &_| scene.light.radiance(direction).cast::<f32>();
+    let sky = |direction: &UnitVector3<f64>| scene.light.radiance(direction).cast::<f32>();
     let shown = |colours: &[Vector3<f32>]| plan.shade(colours, sky).iter().map(|l| tone.apply(l)).collect();
     let panel = |caption: Vec<String>, pixels: Vec<[u8; 3]>| {
         Some(Panel { caption, width: args.size, height: args.size, pixels })
     };
     let side = args.truth_resolution.unwrap_or(args.resolution);
-    let mut pictures = vec![panel(vec![format!("ground truth, {side}x{side}x6 texels"), scene.brdf.clone()], shown(&truth))];
+    let mut pictures =
+        vec![panel(vec![format!("ground truth, {side}x{side}x6 texels"), scene.brdf.clone()], shown(&truth))];
     let mut maps = vec![panel(
-        vec!["error maps: |difference| / mean of the truth,".to_owned(), format!("black 0, red, yellow, white >= {WHITE}")],
+        vec![
+            "error maps: |difference| / mean of the truth,".to_owned(),
+            format!("black 0, red, yellow, white >= {WHITE}"),
+        ],
         legend(args.size),
     )];
     for outcome in run.results.iter().filter(|o| o.method != "reference" || o.comparison.rel_l2 > 0.0) {
@@ -37,7 +41,10 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
         let errors = relative_errors(&truth, &outcome.radiance);
         let map = plan.shade(&errors, |_| Vector3::zeros());
         let figures = format!("rel L2 {:.2e}, max {:.2e}", outcome.comparison.rel_l2, outcome.comparison.max_abs);
-        maps.push(panel(vec![format!("error of {}", outcome.method), figures], map.iter().map(|e| heat(e.x / WHITE)).collect()));
+        maps.push(panel(
+            vec![format!("error of {}", outcome.method), figures],
+            map.iter().map(|e| heat(e.x / WHITE)).collect(),
+        ));
     }
     let title = format!("haarmonic: {} lit by {}, {} vertices", scene.name, scene.light_name, truth.len());
     Ok(Sheet::new(&title, &[pictures, maps]))

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use haarmonic::io;
 use haarmonic::nalgebra::{Rotation3, Vector3};
-use haarmonic::scene::{Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materials, Mesh, Phong, Procedural, Sky, Sum};
+use haarmonic::scene::{
+    Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materials, Mesh, Phong, Procedural, Sky, Sum,
+};
 
 use crate::args::{Args, BuiltIn};
 use crate::{Failure, warn};
@@ -79,12 +81,12 @@ fn diffuse() -> Lambert {
 
 /// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured.
 fn palette(names: &[&str], parts: Vec<u32>) -> Result<Materials, Failure> {
-    let colours = [[0.75, 0.24, 0.12], [0.15, 0.35, 0.6], [0.6, 0.5, 0.2], [0.25, 0.5, 0.3]];
+    let colours: [[f64; 3]; 4] = [[0.75, 0.24, 0.12], [0.15, 0.35, 0.6], [0.6, 0.5, 0.2], [0.25, 0.5, 0.3]];
     let brdf = |(i, name): (usize, &&str)| -> Result<Arc<dyn Brdf>, Failure> {
         if *name == "floor" || names.len() == 1 {
             return Ok(Arc::new(Lambert::new(Vector3::new(0.72, 0.7, 0.66))?));
         }
-        let body: Arc<dyn Brdf> = Arc::new(Lambert::new(colours[i % colours.len()].into())?);
+        let body: Arc<dyn Brdf> = Arc::new(Lambert::new(colours[i % colours.len()])?);
         let gloss: Arc<dyn Brdf> = Arc::new(Phong::new(Vector3::repeat(0.2), 40.0)?);
         Ok(Arc::new(Sum::new(vec![(1.0, body), (1.0, gloss)])?))
     };

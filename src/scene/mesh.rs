@@ -1,7 +1,7 @@
 //! Triangle meshes with per-vertex shading frames.
 
 use approx::{AbsDiffEq, RelativeEq};
-use nalgebra::{Affine3, Vector3};
+use nalgebra::{Affine3, UnitVector3, Vector3};
 
 use crate::{Error, Result};
 

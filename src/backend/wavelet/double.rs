@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::light::ProjectedLight;
 use crate::backend::archive;
 use crate::error::check_length;
-use crate::haar::{Keep, Transform2d, Weighting};
+use crate::haar::{Keep, MaskedSum, Transform2d, Weighting};
 use crate::scene::{BinaryVisibility, DirectionTable, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Progress, Result};
@@ -318,7 +318,8 @@ impl Baker<'_> {
     fn block(&self, first: usize, end: usize) -> Block {
         let n = self.directions.len();
         let mut samples = vec![0.0; 3 * n];
-        let mut coefs = vec![0.0; 3 * n];
+        let mut seen = vec![0.0; 3 * n];
+        let masked = MaskedSum::new();
         let mut scratch = vec![0.0; self.transform.scratch_len()];
         let mut vertex = Vec::new();
         let mut weight = Vec::new();
@@ -330,12 +331,12 @@ impl Baker<'_> {
             let frame = self.mesh.frame(v);
             let wo = self.view.outgoing(brdf, &self.mesh.positions()[v], &frame);
             brdf.sample_cos(&frame, &wo, &self.directions, samples);
-            for plane in samples.chunks_exact_mut(n) {
-                super::mask(self.directions.grid(), self.visibility.vertex(v), plane);
+            let seen = &mut seen[..planes * n];
+            for (plane, seen) in samples.chunks_exact(n).zip(seen.chunks_exact_mut(n)) {
+                super::mask(&masked, self.visibility.vertex(v), plane, seen);
             }
-            let coefs = &mut coefs[..planes * n];
-            self.transform.forward_batch(samples, coefs, &mut scratch);
-            for (c, plane) in coefs.chunks_exact(n).enumerate() {
+            self.transform.forward_batch(seen, samples, &mut scratch);
+            for (c, plane) in samples.chunks_exact(n).enumerate() {
                 let row = vertex.len() as u16;
                 let largest = plane.iter().fold(0.0f32, |m, x| m.max(x.abs()));
                 if largest == 0.0 {
@@ -428,7 +429,12 @@ impl<'a> DoubleRelighter<'a> {
     ///
     /// # Errors
     /// [`Error::Length`] for a light on another grid; what selection refuses.
-    pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>, keep: Keep, weighting: Weighting<'_, f32>) -> Result<()> {
+    pub fn set_light(
+        &mut self,
+        light: &CubeMap<Vector3<f32>>,
+        keep: Keep,
+        weighting: Weighting<'_, f32>,
+    ) -> Result<()> {
         self.projected.set(light)?;
         let kept = self.projected.select(keep, weighting)?;
         self.light.clear();

@@ -11,7 +11,7 @@ use crate::{Error, Result};
 ///   L'(texel) = L(texel) · side² · Ω(texel),  Σ_texels L V B Ω = Σ_faces mean(L' V B)
 ///
 /// It is not a radiance any more, hence the type of its own.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct ProjectedLight {
     grid: CubeGrid,
     transform: Transform2d<f32>,
@@ -49,7 +49,11 @@ impl ProjectedLight {
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         if light.grid() != self.grid {
             let got = light.grid().side() as f64;
-            return Err(Error::OutOfRange { what: "side of the light's cube map", got, allowed: "that of the transport" });
+            return Err(Error::OutOfRange {
+                what: "side of the light's cube map",
+                got,
+                allowed: "that of the transport",
+            });
         }
         if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
             return Err(Error::NotFinite { what: "texel of the light", index });

@@ -25,7 +25,7 @@ pub use light::ProjectedLight;
 pub use triple::{Slices, TripleRelighter, TripleSettings, TripleTransport};
 
 use crate::haar::{Decomposition, MaskedSum, SparseVector, Transform2d};
-use crate::scene::{BinaryVisibility, Materials, Mesh};
+use crate::scene::{Materials, Mesh};
 use crate::sphere::CubeGrid;
 use crate::{Error, Result};
 
@@ -51,11 +51,10 @@ fn slice_of(whole: &SparseVector<f32>, start: usize, len: usize) -> SparseVector
     SparseVector::new(len, indices, whole.values()[from..to].to_vec()).expect("a run of a sparse vector is one")
 }
 
-/// Sets the values of directions that a vertex does not see to 0. Shapes: six faces of words, six of values.
-fn mask(grid: CubeGrid, words: &[u64], values: &mut [f32]) {
-    let masked = MaskedSum::new();
-    let (face, words_per_face) = (grid.face_len(), BinaryVisibility::words_per_face(grid));
-    for (values, words) in values.chunks_exact_mut(face).zip(words.chunks_exact(words_per_face)) {
-        masked.mask_in_place(words, values);
+/// Copies what a vertex sees and sets the rest to 0. Shapes: six faces of words, six of values.
+fn mask(masked: &MaskedSum, words: &[u64], values: &[f32], out: &mut [f32]) {
+    let faces = values.chunks_exact(values.len() / 6).zip(out.chunks_exact_mut(values.len() / 6));
+    for ((values, out), words) in faces.zip(words.chunks_exact(words.len() / 6)) {
+        masked.mask(values, words, out);
     }
 }

@@ -168,11 +168,8 @@ impl SliceTable {
         for v in 0..mesh.positions().len() {
             let normal = mesh.normals()[v].cast();
             let brdf = materials.brdf(v);
-            let view = if brdf.is_view_independent() {
-                0
-            } else {
-                cells.nearest(&view.wo(&mesh.positions()[v])) as u32
-            };
+            let view =
+                if brdf.is_view_independent() { 0 } else { cells.nearest(&view.wo(&mesh.positions()[v])) as u32 };
             let key = (materials.part(v) as u32, cells.nearest(&normal) as u32, view);
             let next = (self.slices.len() + missing.len()) as u32;
             let slot = *self.slots.entry(key).or_insert_with(|| {
@@ -202,7 +199,7 @@ impl SliceTable {
             Ok(made) => self.slices.extend(made),
             Err(e) => {
                 // Slots of slices that were not made must not stay.
-                missing.iter().for_each(|key| drop(self.slots.remove(key)));
+                self.slots.retain(|key, _| !missing.contains(key));
                 return Err(e);
             }
         }

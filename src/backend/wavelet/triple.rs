@@ -11,7 +11,10 @@ use super::light::ProjectedLight;
 use super::slices::{SliceSampler, SliceTable};
 use crate::backend::archive;
 use crate::error::check_length;
-use crate::haar::{BitPyramidRef, Factor, Keep, MaskedSum, TripleProduct, Weighting, rows_to_morton};
+use crate::haar::{
+    BitPyramid, BitPyramidRef, Factor, Keep, MaskedSum, TripleProduct, Visibility, Weighting, rows_to_morton,
+    upper_means,
+};
 use crate::scene::{BinaryVisibility, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
@@ -200,7 +203,8 @@ impl<'a> TripleRelighter<'a> {
         self.light.texels = self.projected.texels_of(&kept);
         if let Slices::Tabulated(_) = self.settings.slices {
             let face = self.transport.grid().face_len();
-            let faces: Vec<[_; 3]> = (0..6).map(|f| kept.each_ref().map(|c| super::slice_of(c, f * face, face))).collect();
+            let faces: Vec<[_; 3]> =
+                (0..6).map(|f| kept.each_ref().map(|c| super::slice_of(c, f * face, face))).collect();
             self.light.rgb = faces.iter().map(|f| Factor::new(f.each_ref())).collect::<Result<_>>()?;
             let single = |f: &[_; 3]| -> Result<[Factor<f32>; 3]> {
                 Ok([Factor::new([&f[0]])?, Factor::new([&f[1]])?, Factor::new([&f[2]])?])
@@ -272,7 +276,7 @@ impl<'a> TripleRelighter<'a> {
         let (table, light, product, morton) = (&self.table, &self.light, &self.product, &self.morton);
         let words = BinaryVisibility::words_per_face(grid);
         let side = grid.side();
-        let upper = vec![[0.0f32; 4]; crate::haar::BitPyramid::upper_len(side)];
+        let upper = vec![[0.0f32; 4]; BitPyramid::upper_len(side)];
         let run = |upper: &mut Vec<[f32; 4]>, (v, radiance): (usize, &mut Vector3<f32>)| {
             let slice = table.slice(v);
             let mut sum = [0.0f64; 3];
@@ -281,8 +285,8 @@ impl<'a> TripleRelighter<'a> {
                 if slice.is_dark(face) || bits.iter().all(|&w| w == 0) {
                     continue;
                 }
-                crate::haar::upper_means(side, bits, upper);
-                let visibility = BitPyramidRef::new(side, bits, upper).into();
+                upper_means(side, bits, upper);
+                let visibility = Visibility::Bits(BitPyramidRef::new(side, bits, upper));
                 match slice.face(face) {
                     [brdf] => {
                         let rgb = product.integral(&light.rgb[face], brdf, visibility);

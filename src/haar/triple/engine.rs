@@ -36,6 +36,14 @@ impl<T: Real, const C: usize> Factor<T, C> {
         Ok(Self { nodes, means, planes })
     }
 
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.nodes.nodes())
+            + size_of_val(self.nodes.weights())
+            + size_of_val(self.means.blocks())
+            + size_of_val(self.planes.as_slice())
+    }
+
     /// The details, node by node.
     #[inline]
     pub fn nodes(&self) -> &SparseNodes<T, C> {
