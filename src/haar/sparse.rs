@@ -133,7 +133,7 @@ impl<T: Real> SparseVector<T> {
     #[track_caller]
     pub fn dot(&self, dense: &[T]) -> T {
         check_length("dense vector", self.len, dense.len());
-        T::of(self.iter().map(|(i, v)| v.widen() * dense[i].widen()).sum())
+        T::of(self.iter().fold(0.0, |sum, (i, v)| sum + v.widen() * dense[i].widen()))
     }
 
     /// Σ a_i b_i with a sparse vector, summed in f64. Cost: linear in the entries of both.
@@ -143,7 +143,7 @@ impl<T: Real> SparseVector<T> {
     #[track_caller]
     pub fn dot_sparse(&self, other: &Self) -> T {
         check_length("sparse vector", self.len, other.len);
-        T::of(self.union(other).map(|(_, a, b)| a.widen() * b.widen()).sum())
+        T::of(self.union(other).fold(0.0, |sum, (_, a, b)| sum + a.widen() * b.widen()))
     }
 
     /// √(Σ c²), summed in f64 without overflow: the L² norm of the function that the coefficients stand for.
@@ -193,7 +193,7 @@ fn norm(x: impl Iterator<Item = f64> + Clone) -> f64 {
     // `max` drops NaN; the sum below finds it again.
     let largest = x.clone().fold(0.0, |m: f64, x| m.max(x.abs()));
     if largest == 0.0 || largest.is_infinite() {
-        return x.map(f64::abs).sum();
+        return x.fold(0.0, |sum, x| sum + x.abs()); // (an empty `sum()` would be −0)
     }
     largest * x.map(|x| (x / largest).powi(2)).sum::<f64>().sqrt()
 }
