@@ -310,7 +310,8 @@ mod tests {
         let wo = Vector3::new(0.3, 0.8, -0.2).normalize();
         for side in [1, 7, 32] {
             let fast = DirectionTable::new(CubeGrid::new(side).unwrap());
-            let scalar = DirectionTable { arch: pulp::Arch::Scalar, ..fast.clone() };
+            let mut scalar = fast.clone();
+            scalar.arch = pulp::Arch::Scalar;
             let models: [&dyn Brdf; 3] = [
                 &Phong::new([0.5, 0.2, 0.1], 33.0).unwrap(),
                 &CookTorrance::new([0.5, 0.2, 0.1], 0.2, 0.3).unwrap(),
