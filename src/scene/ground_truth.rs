@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
+use super::brdf::Axes;
 use super::{BinaryVisibility, Brdf, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap, Face};
 use crate::{Error, Progress, Result};
@@ -205,31 +206,29 @@ impl Texels {
     }
 }
 
-/// A vertex's BRDF, frame (rows: tangent, bitangent, normal) and local direction to the viewer.
+/// A vertex's BRDF, frame and local direction to the viewer.
 struct Shading<'a> {
     brdf: &'a dyn Brdf,
-    frame: [Vector3<f64>; 3],
+    axes: Axes,
     wo: Vector3<f64>,
 }
 
 impl<'a> Shading<'a> {
     fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
         let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.frame(vertex));
-        let wo = frame.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
-        let frame = [frame.tangent.cast(), frame.bitangent.cast(), frame.normal.cast()];
-        Self { brdf, frame, wo }
+        let axes = Axes::new(&frame);
+        let wo = axes.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
+        Self { brdf, axes, wo }
     }
 
     /// The light of texel i that is reflected, without visibility.
     #[inline(always)]
     fn texel(&self, texels: &Texels, i: usize) -> Vector3<f64> {
-        let d = &texels.directions[i];
-        let z = self.frame[2].dot(d);
-        if z <= 0.0 {
+        let wi = self.axes.to_local(&texels.directions[i]);
+        if wi.z <= 0.0 {
             return Vector3::zeros();
         }
-        let wi = Vector3::new(self.frame[0].dot(d), self.frame[1].dot(d), z);
-        self.brdf.eval(&wi, &self.wo).component_mul(&texels.light[i]) * z
+        self.brdf.eval(&wi, &self.wo).component_mul(&texels.light[i]) * wi.z
     }
 
     fn sum_bits(&self, texels: &Texels, words: &[u64]) -> Vector3<f64> {
@@ -273,7 +272,7 @@ impl<'a> Shading<'a> {
 
     /// Whether a whole face is below the horizon: the largest n·(out + u right + v down) over |u|, |v| ≤ 1.
     fn is_below(&self, face: Face) -> bool {
-        let [right, down, out] = face.axes().map(|a| self.frame[2].dot(&Vector3::from(a)));
+        let [right, down, out] = face.axes().map(|a| self.axes.normal().dot(&Vector3::from(a)));
         out + right.abs() + down.abs() < -1e-12
     }
 }

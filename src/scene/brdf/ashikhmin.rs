@@ -48,13 +48,12 @@ impl Brdf for AshikhminShirley {
             return Vector3::zeros();
         }
         let [nu, nv] = self.exponents;
-        let h = half_vector(wi, wo);
+        let (h, k) = half_vector(wi, wo);
         let (hx2, hy2) = (h.x * h.x, h.y * h.y);
         let sin2 = hx2 + hy2;
         let exponent = if sin2 > 0.0 { (nu * hx2 + nv * hy2) / sin2 } else { 0.0 };
         let lobe = ((nu + 1.0) * (nv + 1.0)).sqrt() / (8.0 * PI) * h.z.min(1.0).powf(exponent);
-        let k = wo.dot(&h).clamp(0.0, 1.0);
-        // wo·h ≥ the smaller cosine > 0 but for rounding, which the bound below catches.
+        // k = wo·h is at least the smaller cosine, which may be denormal.
         let lobe = if lobe > 0.0 { (lobe / k / wi.z.max(wo.z)).min(f64::MAX) } else { 0.0 };
         let grazing = (1.0 - k).powi(5);
         let side = |cos: f64| 1.0 - (1.0 - 0.5 * cos).powi(5);

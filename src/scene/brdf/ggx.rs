@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local};
 use super::{
-    Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, half_vector, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, half_vector, plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -65,11 +65,11 @@ impl Brdf for CookTorrance {
         if !above_horizon(wi, wo) {
             return Vector3::zeros();
         }
-        let h = half_vector(wi, wo);
+        let (h, cos_d) = half_vector(wi, wo);
         let q = (h.x / self.alpha[0]).powi(2) + (h.y / self.alpha[1]).powi(2) + h.z * h.z;
         let d = 1.0 / (PI * self.alpha[0] * self.alpha[1] * q * q);
         let masking = 0.5 / (wo.z * self.lambda(wi) + wi.z * self.lambda(wo));
-        let grazing = (1.0 - wo.dot(&h).clamp(0.0, 1.0)).powi(5);
+        let grazing = (1.0 - cos_d).powi(5);
         let value = (d * masking).min(f64::MAX);
         self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
     }
@@ -79,9 +79,10 @@ impl Brdf for CookTorrance {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        let axes = Axes::new(frame);
         plane_count(self.grey(), directions.len(), out.len());
-        let Some(local) = Local::new(frame, wo) else { return };
-        let local_wo = frame.to_local(wo);
+        let Some(local) = Local::new(&axes, wo) else { return };
+        let local_wo = axes.to_local(wo);
         let facets = Facets {
             local,
             alpha2: self.alpha.map(|a| (a * a) as f32),
@@ -91,10 +92,10 @@ impl Brdf for CookTorrance {
         let constant = scale * 0.5 / (PI * self.alpha[0] * self.alpha[1]);
         if self.grey() {
             let kernel = Grey { facets, f0: self.f0.x as f32 };
-            kernel::add_scalar(kernel, frame, directions, (Vector3::repeat(1.0), constant), out);
+            kernel::add_scalar(kernel, &axes, directions, (Vector3::repeat(1.0), constant), out);
         } else {
             let kernel = Coloured { facets, f0: kernel::narrow(&self.f0) };
-            kernel::add_rgb(kernel, frame, directions, [constant as f32; 3], out);
+            kernel::add_rgb(kernel, &axes, directions, [constant as f32; 3], out);
         }
     }
 }

@@ -5,8 +5,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Brdf, DirectionTable, plane_count, split_colour};
-use crate::scene::Frame;
+use super::{Axes, Brdf, DirectionTable, plane_count, split_colour};
 use crate::sphere::Face;
 
 /// N values (1 = the scalar s, 3 = RGB) of f · cos θ_i for one direction.
@@ -36,11 +35,11 @@ pub(super) struct Local {
 
 impl Local {
     /// `None` if the viewer is below the horizon.
-    pub(super) fn new(frame: &Frame, wo: &Vector3<f64>) -> Option<Self> {
-        let local = frame.to_local(wo);
+    pub(super) fn new(axes: &Axes, wo: &Vector3<f64>) -> Option<Self> {
+        let local = axes.to_local(wo);
         (local.z > 0.0).then(|| Self {
-            tangent: frame.tangent.into(),
-            bitangent: frame.bitangent.into(),
+            tangent: narrow(&axes.tangent),
+            bitangent: narrow(&axes.bitangent),
             // A cosine that is denormal in f32 would be flushed: hold it above.
             wo: [local.x as f32, local.y as f32, (local.z as f32).max(1e-9)],
         })
@@ -58,14 +57,14 @@ impl Local {
 /// `scale` and the model's constants are folded into `strength`.
 pub(super) fn add_scalar<K: Kernel<1>>(
     kernel: K,
-    frame: &Frame,
+    axes: &Axes,
     directions: &DirectionTable,
     factor: (Vector3<f64>, f64),
     out: &mut [f32],
 ) {
     let (colour, strength) = factor;
     let n = directions.len();
-    let normal: [f32; 3] = frame.normal.into();
+    let normal = narrow(&axes.normal);
     if plane_count(true, n, out.len()) == 1 {
         let weight = strength as f32;
         directions.arch.dispatch(|| sweep_one(kernel, normal, directions, weight, out));
@@ -78,13 +77,13 @@ pub(super) fn add_scalar<K: Kernel<1>>(
 /// Runs an RGB kernel into three planes, each times its weight.
 pub(super) fn add_rgb<K: Kernel<3>>(
     kernel: K,
-    frame: &Frame,
+    axes: &Axes,
     directions: &DirectionTable,
     weights: [f32; 3],
     out: &mut [f32],
 ) {
     plane_count(false, directions.len(), out.len());
-    let normal: [f32; 3] = frame.normal.into();
+    let normal = narrow(&axes.normal);
     directions.arch.dispatch(|| sweep_three(kernel, normal, directions, weights, out));
 }
 
@@ -159,7 +158,7 @@ fn sweep_three<const N: usize, K: Kernel<N>>(
 /// [`Brdf::add_cos`] through [`Brdf::eval`], in `f64`.
 pub(super) fn add_by_eval<B: Brdf + ?Sized>(
     brdf: &B,
-    frame: &Frame,
+    axes: &Axes,
     wo: &Vector3<f64>,
     directions: &DirectionTable,
     scale: f64,
@@ -168,16 +167,16 @@ pub(super) fn add_by_eval<B: Brdf + ?Sized>(
     let n = directions.len();
     let colour = brdf.colour();
     let planes = plane_count(colour.is_some(), n, out.len());
-    let wo = frame.to_local(wo);
+    let wo = axes.to_local(wo);
     if wo.z <= 0.0 {
         return;
     }
     // f = c s and the largest component of c is 1: s is that component of f.
     let leading = colour.map_or(0, |c| c.imax());
-    rows_above(frame.normal.into(), directions, |first, length| {
+    rows_above(narrow(&axes.normal), directions, |first, length| {
         for i in first..first + length {
             let d = Vector3::new(directions.x()[i], directions.y()[i], directions.z()[i]).cast::<f64>();
-            let wi = frame.to_local(&d);
+            let wi = axes.to_local(&d);
             if wi.z <= 0.0 {
                 continue;
             }
@@ -245,4 +244,87 @@ pub(super) fn exp2(y: f32) -> f32 {
     let high = (C4 + r * C5) + r2 * (C6 + r * C7);
     let value = power * (low + r2 * r2 * high);
     if y > -126.0 { value } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{CookTorrance, Frame, Phong};
+    use crate::sphere::CubeGrid;
+
+    const EPS: f64 = f32::EPSILON as f64;
+
+    #[test]
+    fn log2_1p_is_good_to_three_ulps() {
+        let mut worst = 0.0_f64;
+        let mut check = |t: f32| {
+            let exact = f64::from(t).ln_1p() / std::f64::consts::LN_2;
+            worst = worst.max((f64::from(log2_1p(t)) - exact).abs() / exact.abs());
+        };
+        for i in 0..200_000 {
+            let x = i as f32 / 200_000.0;
+            check((x - 1.0).max(-1.0 + 1e-6));
+            check(x.max(1e-38));
+            check((x * 87.0).exp());
+            check((-x * 87.0).exp());
+            check(-(-x * 87.0).exp().min(0.999_999));
+        }
+        println!("{}", worst / EPS);
+        assert!(worst <= 3.0 * EPS, "{}", worst / EPS);
+        assert_eq!(log2_1p(0.0), 0.0);
+        assert_eq!(log2_1p(-1.0), -127.0);
+    }
+
+    #[test]
+    fn exp2_is_good_to_two_ulps() {
+        let mut worst = 0.0_f64;
+        for i in 0..=1_000_000 {
+            let y = -126.0 + 253.0 * i as f32 / 1_000_000.0;
+            if y > -126.0 {
+                worst = worst.max((f64::from(exp2(y)) / f64::from(y).exp2() - 1.0).abs());
+            }
+        }
+        println!("{}", worst / EPS);
+        assert!(worst <= 2.0 * EPS, "{}", worst / EPS);
+        assert_eq!([exp2(0.0), exp2(1.0), exp2(-3.0), exp2(127.0)], [1.0, 2.0, 0.125, 2.0_f32.powi(127)]);
+        assert_eq!([exp2(-126.0), exp2(-1e30), exp2(f32::NEG_INFINITY), exp2(f32::NAN)], [0.0; 4]);
+    }
+
+    #[test]
+    fn powers_equal_f64() {
+        for n in [0.5_f32, 1.0, 7.3, 100.0, 1e4, 1e6] {
+            for i in 1..2000 {
+                let q = (i as f32 / 2000.0).powi(4);
+                let exact = (1.0 - f64::from(q)).powf(f64::from(n));
+                let got = f64::from(exp2(n * log2_1p(-q)));
+                // The product's rounding and log2's error are multiplied with the exponent of 2.
+                let tolerance = EPS * (2.0 + 3.0 * exact.log2().abs()) * exact;
+                assert!((got - exact).abs() <= tolerance.max(2e-38), "{q}^{n}: {got:e} against {exact:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let frame = Frame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() };
+        let wo = Vector3::new(0.3, 0.8, -0.2).normalize();
+        for side in [1, 7, 32] {
+            let fast = DirectionTable::new(CubeGrid::new(side).unwrap());
+            let mut scalar = fast.clone();
+            scalar.arch = pulp::Arch::Scalar;
+            let models: [&dyn Brdf; 3] = [
+                &Phong::new([0.5, 0.2, 0.1], 33.0).unwrap(),
+                &CookTorrance::new([0.5, 0.2, 0.1], 0.2, 0.3).unwrap(),
+                &crate::scene::Ward::new([0.5; 3], 0.2, 0.3).unwrap(),
+            ];
+            for model in models {
+                let sample = |table: &DirectionTable| {
+                    let mut out = vec![0.0; 3 * table.len()];
+                    model.sample_cos(&frame, &wo, table, &mut out);
+                    out
+                };
+                assert_eq!(sample(&fast), sample(&scalar), "{model:?}");
+            }
+        }
+    }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel};
-use super::{Brdf, DirectionTable, above_horizon, check_albedo, split_colour};
+use super::{Axes, Brdf, DirectionTable, above_horizon, check_albedo, split_colour};
 use crate::Result;
 use crate::scene::Frame;
 
@@ -45,9 +45,10 @@ impl Brdf for Lambert {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        let axes = Axes::new(frame);
         let factor = kernel::scaled(&self.albedo, scale, FRAC_1_PI);
-        let factor = if frame.to_local(wo).z > 0.0 { factor } else { (factor.0, 0.0) };
-        kernel::add_scalar(Cosine, frame, directions, factor, out);
+        let factor = if axes.to_local(wo).z > 0.0 { factor } else { (factor.0, 0.0) };
+        kernel::add_scalar(Cosine, &axes, directions, factor, out);
     }
 }
 

@@ -226,7 +226,7 @@ impl Brdf for Merl {
 ///
 /// The difference vector is wi turned by −φ_h about z, then by −θ_h about y. At θ_h = 0, φ_h is 0 and φ_d the azimuth of wi.
 fn coordinates(wi: &Vector3<f64>, wo: &Vector3<f64>) -> [f64; 3] {
-    let h = half_vector(wi, wo);
+    let (h, _) = half_vector(wi, wo);
     let sin_h = h.x.hypot(h.y);
     let theta_h = sin_h.atan2(h.z);
     let (cos_phi, sin_phi) = if sin_h > 0.0 { (h.x / sin_h, h.y / sin_h) } else { (1.0, 0.0) };

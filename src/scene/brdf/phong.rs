@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
 use super::{
-    Brdf, DirectionTable, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -64,14 +64,15 @@ impl Brdf for Phong {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let local = frame.to_local(wo);
+        let local = axes.to_local(wo);
         if local.z <= 0.0 {
             return;
         }
-        let mirror = frame.to_world(&Vector3::new(-local.x, -local.y, local.z));
+        let mirror = axes.to_world(&Vector3::new(-local.x, -local.y, local.z));
         let kernel = MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 };
-        kernel::add_scalar(kernel, frame, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+        kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 
@@ -135,7 +136,7 @@ impl Brdf for BlinnPhong {
         if !above_horizon(wi, wo) {
             return Vector3::zeros();
         }
-        self.albedo * (self.constant() * half_vector(wi, wo).z.min(1.0).powf(self.exponent))
+        self.albedo * (self.constant() * half_vector(wi, wo).0.z.min(1.0).powf(self.exponent))
     }
 
     fn colour(&self) -> Option<Vector3<f64>> {
@@ -143,10 +144,11 @@ impl Brdf for BlinnPhong {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let Some(local) = Local::new(frame, wo) else { return };
+        let Some(local) = Local::new(&axes, wo) else { return };
         let kernel = HalfLobe { local, half_exponent: (-0.5 * self.exponent) as f32 };
-        kernel::add_scalar(kernel, frame, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+        kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 

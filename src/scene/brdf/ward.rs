@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2};
-use super::{Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, plane_count, split_colour};
+use super::{Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, plane_count, split_colour};
 use crate::Result;
 use crate::scene::Frame;
 
@@ -73,11 +73,12 @@ impl Brdf for Ward {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let Some(local) = Local::new(frame, wo) else { return };
+        let Some(local) = Local::new(&axes, wo) else { return };
         let inverse = self.alpha.map(|a| (std::f64::consts::LOG2_E.sqrt() / a) as f32);
         let kernel = Gauss { local, inverse };
-        kernel::add_scalar(kernel, frame, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+        kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 

@@ -1,0 +1,4 @@
+//! Twins of `scene`.
+
+pub mod brdf;
+pub mod ground_truth;
