@@ -1,6 +1,8 @@
 //! OpenEXR, by the crate `exr`.
 
+use std::cell::Cell;
 use std::io::Cursor;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use ::exr::block::UncompressedBlock;
 use ::exr::block::reader::ChunksReader;
@@ -37,27 +39,60 @@ pub fn read_exr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
             return Err(report.error("header", "a file of several parts cannot be read; save one part by itself"));
         }
     }
-    let in_header = |e: ::exr::error::Error, report: &Report| report.error("header", e.to_string());
-    let reader = ::exr::block::read(Cursor::new(bytes), false).map_err(|e| in_header(e, &report))?;
-    let [header] = reader.headers() else {
-        return Err(report.error("header", "a file of several parts cannot be read; save one part by itself"));
+    // The crate's decoders subtract and index without checks in places, so that damaged blocks can panic in them (B44
+    // does, where overflow is checked). Nothing but local values is touched by then. The panic's message still goes to
+    // the process's panic hook, and a build that aborts on panic aborts.
+    let block = Cell::new(None);
+    let decoded = catch_unwind(AssertUnwindSafe(|| decode(bytes, &mut report, &block)));
+    let place = || block.get().map_or_else(|| "header".to_owned(), |(i, n)| format!("block {i} of {n}"));
+    let (width, height, pixels) = match decoded {
+        Ok(Ok(parts)) => parts,
+        Ok(Err(Failure::Described(e))) => return Err(e),
+        Ok(Err(Failure::Decoder(e))) => return Err(report.error(place(), e.to_string())),
+        Err(_) => return Err(report.error(place(), "the data are damaged")),
     };
-    let layout = Layout::new(header, bytes.len(), &mut report)?;
-    let chunks = reader.filter_chunks(false, |_, tile, _| tile.level_index == Vec2(0, 0));
-    let chunks = chunks.map_err(|e| in_header(e, &report))?;
+    finish(report, width, height, pixels)
+}
+
+enum Failure {
+    Described(Error),
+    Decoder(::exr::error::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(e: Error) -> Self {
+        Self::Described(e)
+    }
+}
+
+impl From<::exr::error::Error> for Failure {
+    fn from(e: ::exr::error::Error) -> Self {
+        Self::Decoder(e)
+    }
+}
+
+/// Width, height and pixels. `at` is set to the block being decoded and their number.
+fn decode(
+    bytes: &[u8],
+    report: &mut Report,
+    at: &Cell<Option<(usize, usize)>>,
+) -> Result<(usize, usize, Vec<Vector3<f32>>), Failure> {
+    let reader = ::exr::block::read(Cursor::new(bytes), false)?;
+    let [header] = reader.headers() else {
+        return Err(report.error("header", "a file of several parts cannot be read; save one part by itself").into());
+    };
+    let layout = Layout::new(header, bytes.len(), report)?;
+    let chunks = reader.filter_chunks(false, |_, tile, _| tile.level_index == Vec2(0, 0))?;
     let total = chunks.expected_chunk_count();
-    let Layout { width, height, .. } = layout;
-    let mut pixels = vec![Vector3::zeros(); width * height];
+    let mut pixels = vec![Vector3::zeros(); layout.width * layout.height];
     let mut blocks = chunks.sequential_decompressor(false);
     for i in 0..total {
-        let place = || format!("block {i} of {total}");
-        let block = blocks.decompress_next_block().ok_or_else(|| report.error(place(), "the file ends here"))?;
-        let block = block.map_err(|e| report.error(place(), e.to_string()))?;
-        layout
-            .copy(&block, &blocks.meta_data().headers[0], &mut pixels)
-            .map_err(|e| report.error(place(), e.to_string()))?;
+        at.set(Some((i, total)));
+        let block = blocks.decompress_next_block();
+        let block = block.ok_or_else(|| report.error(format!("block {i} of {total}"), "the file ends here"))??;
+        layout.copy(&block, &blocks.meta_data().headers[0], &mut pixels)?;
     }
-    finish(report, width, height, pixels)
+    Ok((layout.width, layout.height, pixels))
 }
 
 /// Where the samples of a file go.

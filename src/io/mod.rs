@@ -35,6 +35,7 @@
 
 mod assemble;
 mod atomic;
+mod environment;
 mod exr;
 mod gltf;
 mod hdr;
@@ -47,6 +48,7 @@ mod png;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+pub use self::environment::{load_environment, read_environment};
 pub use self::exr::{encode_exr, read_exr};
 pub use self::gltf::read_gltf;
 pub use self::hdr::{encode_hdr, read_hdr};

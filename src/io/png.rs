@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use super::image::{check_size, finish};
 use super::{Image, Loaded, Report};
+use crate::scene::{linear_to_srgb, srgb_to_linear};
 use crate::{Error, Result};
 
 /// Reads a PNG picture from its bytes; `name` is what messages call it.
@@ -47,7 +48,7 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     // 16-bit samples come in the machine's byte order.
     let sample = |s: &[u8]| if wide { u16::from_ne_bytes([s[0], s[1]]) } else { u16::from(s[0]) };
     let full = if wide { u16::MAX } else { 255 };
-    let linear: Vec<f32> = (0..=full).map(|s| srgb_to_linear(f64::from(s) / f64::from(full)) as f32).collect();
+    let linear: Vec<f32> = (0..=full).map(|s| srgb_to_linear(f32::from(s) / f32::from(full))).collect();
     let mut transparent = 0_usize;
     let pixels = (raw.chunks_exact(channels * size))
         .map(|p| {
@@ -74,7 +75,7 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
 /// [`Error::File`] if the picture has more than 2³² − 1 pixels along a side.
 pub fn encode_png(image: &Image, exposure: f32) -> Result<Vec<u8>> {
     let scale = exposure.exp2();
-    let quantise = |c: f32| (255.0 * linear_to_srgb(f64::from(c * scale).clamp(0.0, 1.0))).round() as u8;
+    let quantise = |c: f32| (255.0 * linear_to_srgb((c * scale).clamp(0.0, 1.0))).round() as u8;
     let pixels: Vec<[u8; 3]> = image.pixels().iter().map(|p| [quantise(p.x), quantise(p.y), quantise(p.z)]).collect();
     encode_png_srgb8(image.width(), image.height(), &pixels)
 }
@@ -100,14 +101,4 @@ pub fn encode_png_srgb8(width: usize, height: usize, pixels: &[[u8; 3]]) -> Resu
         .write_image(pixels.as_flattened(), w, h, ExtendedColorType::Rgb8)
         .map_err(|e| failed(e.to_string()))?;
     Ok(out)
-}
-
-/// The decoding curve of IEC 61966-2-1 on [0, 1].
-fn srgb_to_linear(s: f64) -> f64 {
-    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
-}
-
-/// The encoding curve of IEC 61966-2-1 on [0, 1]. NaN gives NaN.
-fn linear_to_srgb(x: f64) -> f64 {
-    if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
