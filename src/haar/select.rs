@@ -141,6 +141,8 @@ pub struct Selection<'a, T> {
 /// Memory that [`Selection::indices`] uses again: nothing is allocated once it has grown.
 #[derive(Debug, Clone, Default)]
 pub struct SelectionScratch {
+    keys: Vec<f64>,
+    bins: Vec<u32>,
     ranked: Vec<(f64, u32)>,
     indices: Vec<u32>,
 }
@@ -200,21 +202,13 @@ impl<'a, T: Real> Selection<'a, T> {
         let len = self.check(channels)?;
         let block = self.block.unwrap_or(len);
         let mut terms = self.terms(len)?;
-        work.ranked.clear();
-        for i in 0..len {
-            let magnitude = self.magnitude(channels, i)?;
-            let key = if self.scaling == ScalingTerms::Always && i % block == 0 {
-                f64::INFINITY
-            } else {
-                (magnitude * self.weight(i, block)?).min(f64::MAX)
-            };
-            if key > 0.0 {
-                work.ranked.push((key, i as u32));
-            }
-        }
         if self.scaling == ScalingTerms::Always && len > 0 {
             terms = terms.max(len / block);
         }
+        self.rank(channels, block, &mut work.keys)?;
+        let floor = floor_key(&work.keys, terms, &mut work.bins);
+        work.ranked.clear();
+        work.ranked.extend((0u32..).zip(&work.keys).filter(|&(_, &k)| k >= floor && k > 0.0).map(|(i, &k)| (k, i)));
         if terms < work.ranked.len() {
             // Keys are never NaN; index breaks ties, so this is a total order.
             work.ranked.select_nth_unstable_by(terms, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -224,6 +218,51 @@ impl<'a, T: Real> Selection<'a, T> {
         work.indices.extend(work.ranked.iter().map(|&(_, i)| i));
         work.indices.sort_unstable();
         Ok(&work.indices)
+    }
+
+    /// The key of every coefficient; infinite for scaling functions that are always kept.
+    fn rank(&self, channels: &[&[T]], block: usize, keys: &mut Vec<f64>) -> Result<()> {
+        keys.clear();
+        match (self.channels, channels) {
+            (ChannelRule::Luminance, [r, g, b]) => {
+                keys.extend(r.iter().zip(*g).zip(*b).map(|((r, g), b)| {
+                    (0.2126 * r.widen() + 0.7152 * g.widen() + 0.0722 * b.widen()).abs().min(f64::MAX)
+                }))
+            }
+            (_, [only]) => keys.extend(only.iter().map(|c| c.widen().abs())),
+            // Squares of f32 neither overflow nor underflow in f64; those of f64 do.
+            (_, [first, rest @ ..]) if size_of::<T>() == size_of::<f32>() => {
+                keys.extend(first.iter().map(|c| c.widen() * c.widen()));
+                for channel in rest {
+                    keys.iter_mut().zip(*channel).for_each(|(k, c)| *k += c.widen() * c.widen());
+                }
+                keys.iter_mut().for_each(|k| *k = k.sqrt());
+            }
+            _ => keys.extend(
+                (0..channels.first().map_or(0, |c| c.len()))
+                    .map(|i| channels.iter().fold(0.0, |m: f64, c| m.hypot(c[i].widen())).min(f64::MAX)),
+            ),
+        }
+        // Infinity passes for NaN in hypot, and a finite sum may overflow: look at the values themselves.
+        for channel in channels {
+            if let Some(index) = channel.iter().position(|c| !c.is_finite()) {
+                return Err(Error::NotFinite { what: "coefficient", index });
+            }
+        }
+        match self.weighting {
+            Weighting::Magnitude => {}
+            Weighting::Integral => scale_levels(keys, block, 0.5),
+            Weighting::Area => scale_levels(keys, block, 0.25),
+            Weighting::IntegralOver(_) | Weighting::Transport(_) => {
+                for (i, key) in keys.iter_mut().enumerate() {
+                    *key = (*key * self.weight(i, block)?).min(f64::MAX);
+                }
+            }
+        }
+        if self.scaling == ScalingTerms::Always && block > 0 {
+            keys.iter_mut().step_by(block).for_each(|k| *k = f64::INFINITY);
+        }
+        Ok(())
     }
 
     /// The kept terms of one vector.
@@ -299,36 +338,57 @@ impl<'a, T: Real> Selection<'a, T> {
         }
     }
 
-    fn magnitude(&self, channels: &[&[T]], i: usize) -> Result<f64> {
-        let value = |c: usize| channels[c][i].widen();
-        let magnitude = match self.channels {
-            ChannelRule::Norm => channels.iter().fold(0.0, |m: f64, c| m.hypot(c[i].widen())),
-            ChannelRule::Luminance => (0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2)).abs(),
-        };
-        // Infinity passes for NaN in hypot, and a finite sum may overflow: look at the values themselves.
-        match channels.iter().all(|c| c[i].is_finite()) {
-            true => Ok(magnitude.min(f64::MAX)),
-            false => Err(Error::NotFinite { what: "coefficient", index: i }),
-        }
-    }
-
+    /// The weight of coefficient i where it is not a power of its level alone.
     fn weight(&self, i: usize, block: usize) -> Result<f64> {
-        let level = |flat| match Index2d::from_flat(flat) {
-            Index2d::Scaling => (0, 0, 0),
-            Index2d::Detail { level, x, y, .. } => (level, x, y),
-        };
-        let power = |level: u32| (1u64 << level) as f64;
         match self.weighting {
-            Weighting::Magnitude => Ok(1.0),
-            Weighting::Integral => Ok(1.0 / power(level(i % block).0)),
-            Weighting::Area => Ok(1.0 / power(2 * level(i % block).0)),
             Weighting::IntegralOver(density) => {
-                let (l, x, y) = level(i % block);
-                Ok(check_weight("mean of the measure", i % block, density.at(l, x, y).widen())? / power(l))
+                let (l, x, y) = match Index2d::from_flat(i % block) {
+                    Index2d::Scaling => (0, 0, 0),
+                    Index2d::Detail { level, x, y, .. } => (level, x, y),
+                };
+                let mean = check_weight("mean of the measure", i % block, density.at(l, x, y).widen())?;
+                Ok(mean / (1u64 << l) as f64)
             }
             Weighting::Transport(weights) => check_weight("transport weight", i, weights[i].widen()),
+            Weighting::Magnitude | Weighting::Area | Weighting::Integral => Ok(1.0),
         }
     }
+}
+
+/// Multiplies the keys of level l by `factor`^l, block after block of nonstandard coefficients.
+fn scale_levels(keys: &mut [f64], block: usize, factor: f64) {
+    if block == 0 {
+        return;
+    }
+    for keys in keys.chunks_exact_mut(block) {
+        let (mut start, mut weight) = (4, factor);
+        while start < keys.len() {
+            keys[start..4 * start].iter_mut().for_each(|k| *k *= weight);
+            (start, weight) = (4 * start, weight * factor);
+        }
+    }
+}
+
+/// A key that at least `terms` of the keys reach, if so many are positive, and few more: the lower edge of a bin of keys that
+/// share their exponent and four bits of their mantissa.
+fn floor_key(keys: &[f64], terms: usize, bins: &mut Vec<u32>) -> f64 {
+    const SHIFT: u32 = 48;
+    if terms >= keys.len() {
+        return 0.0;
+    }
+    bins.clear();
+    bins.resize(1 << (63 - SHIFT), 0);
+    for key in keys {
+        bins[(key.to_bits() >> SHIFT) as usize] += 1;
+    }
+    let mut above = 0;
+    for (bin, &count) in bins.iter().enumerate().rev() {
+        above += count as usize;
+        if above >= terms {
+            return f64::from_bits((bin as u64) << SHIFT);
+        }
+    }
+    0.0
 }
 
 fn check_weight(what: &'static str, index: usize, weight: f64) -> Result<f64> {
