@@ -193,27 +193,44 @@ impl<'a> BitPyramidRef<'a> {
     }
 }
 
+/// The four bit fields of `mask[c]`, each times `scale[c]`: shifts by powers of two done in the scale, where a vector can do them.
+#[inline(always)]
+fn fields<T: Real>(bits: u32, mask: [u32; 4], scale: [f64; 4]) -> [T; 4] {
+    let bits = mask.map(|mask| (bits & mask) as i32);
+    [
+        T::of(f64::from(bits[0])) * T::of(scale[0]),
+        T::of(f64::from(bits[1])) * T::of(scale[1]),
+        T::of(f64::from(bits[2])) * T::of(scale[2]),
+        T::of(f64::from(bits[3])) * T::of(scale[3]),
+    ]
+}
+
 /// Means of the children of node m of the finest level: the four texels.
 #[inline(always)]
 pub(super) fn nibble_means<T: Real>(words: &[u64], m: usize) -> [T; 4] {
     let bits = (words[m >> 4] >> (4 * (m & 15))) as u32;
-    std::array::from_fn(|c| T::of(f64::from(bits >> c & 1)))
+    fields(bits, [1, 2, 4, 8], [1.0, 0.5, 0.25, 0.125])
 }
 
 /// Means of the children of node m of the second finest level: nibbles.
 #[inline(always)]
 pub(super) fn short_means<T: Real>(words: &[u64], m: usize) -> [T; 4] {
-    let x = (words[m >> 2] >> (16 * (m & 3))) as u32 & 0xffff;
-    let pairs = x - (x >> 1 & 0x5555);
-    let nibbles = (pairs & 0x3333) + (pairs >> 2 & 0x3333);
-    std::array::from_fn(|c| T::of(0.25 * f64::from(nibbles >> (4 * c) & 15)))
+    let x = (words[m >> 2] >> (16 * (m & 3))) as u32;
+    let pairs = x - (x >> 1 & 0x5555_5555);
+    let nibbles = (pairs & 0x3333_3333) + (pairs >> 2 & 0x3333_3333);
+    fields(nibbles, [0xf, 0xf0, 0xf00, 0xf000], [0.25, 0.25 / 16.0, 0.25 / 256.0, 0.25 / 4096.0])
 }
 
 /// Means of the children of node m of the third finest level: quarters of a word.
 #[inline(always)]
 pub(super) fn word_means<T: Real>(words: &[u64], m: usize) -> [T; 4] {
-    let word = words[m];
-    std::array::from_fn(|c| T::of(0.0625 * f64::from((word >> (16 * c) & 0xffff).count_ones())))
+    let x = words[m];
+    let x = x - (x >> 1 & 0x5555_5555_5555_5555);
+    let x = (x & 0x3333_3333_3333_3333) + (x >> 2 & 0x3333_3333_3333_3333);
+    let x = (x + (x >> 4)) & 0x0f0f_0f0f_0f0f_0f0f;
+    let x = x + (x >> 8);
+    let quarters = [x & 31, x >> 16 & 31, x >> 32 & 31, x >> 48 & 31];
+    quarters.map(|count| T::of(f64::from(count as i32)) * T::of(0.0625))
 }
 
 /// The bits of word 0 that are texels.

@@ -1,6 +1,6 @@
 //! The engine that picks the cheaper route.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
 
 use super::super::SparseVector;
 use super::bits::{BitPyramid, BitPyramidRef};
@@ -174,7 +174,14 @@ impl TripleProduct {
         };
         check_length("log₂ of the visibility's side", levels, got as usize);
         match route {
-            Route::FlatMerge => self.arch.dispatch(Merge { light, brdf, visibility }),
+            Route::FlatMerge => {
+                let (light, light_means) = (&light.nodes, &light.means);
+                let pair = Pair { light, light_means, brdf: &brdf.nodes, brdf_means: &brdf.means };
+                match visibility {
+                    Visibility::Means(means) => pair.with_means(self.arch, means),
+                    Visibility::Bits(bits) => pair.with_bits(self.arch, bits),
+                }
+            }
             Route::Pixels => self.pixels(light, brdf, visibility),
         }
     }
@@ -192,25 +199,5 @@ impl TripleProduct {
         };
         let texel = 0.25f64.powi(self.levels as i32);
         sums.map(|sum| sum * texel)
-    }
-}
-
-struct Merge<'a, T, const C: usize> {
-    light: &'a Factor<T, C>,
-    brdf: &'a Factor<T>,
-    visibility: Visibility<'a, T>,
-}
-
-impl<T: Real, const C: usize> NullaryFnOnce for Merge<'_, T, C> {
-    type Output = [f64; C];
-
-    #[inline(always)]
-    fn call(self) -> [f64; C] {
-        let Self { light, brdf, visibility } = self;
-        let pair = Pair { light: &light.nodes, light_means: &light.means, brdf: &brdf.nodes, brdf_means: &brdf.means };
-        match visibility {
-            Visibility::Means(means) => pair.with_means(means),
-            Visibility::Bits(bits) => pair.with_bits(bits),
-        }
     }
 }

@@ -5,17 +5,19 @@ use pulp::{Arch, NullaryFnOnce};
 use crate::Real;
 use crate::error::{check_length, length_mismatch};
 
-/// Texels whose f32 sums are folded into f64 at once.
-const BLOCK: usize = 1024;
+/// Words (of 64 texels) whose sums in T are folded into f64 at once.
+const BLOCK: usize = 16;
+/// A word that keeps all its texels.
+const FULL: u64 = !0;
 /// Independent partial sums.
-const LANES: usize = 16;
+const LANES: usize = 32;
 
 /// Dot products under a 1-bit mask, vectorised for the machine it runs on.
 ///
 /// Texel i is kept if bit i mod 64 of word i / 64 is set. Any order of texels will do as long as texels and bits share it.
 /// Spare bits of the last word are ignored. All-zero words are skipped, all-one words take a path without a mask.
-/// Accuracy: f32 texels are summed in 16 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ |terms| within
-/// 64 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
+/// Accuracy: f32 texels are summed in 32 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ |terms| within
+/// 32 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskedSum {
     arch: Arch,
@@ -119,9 +121,16 @@ struct Select<'a, T> {
     out: &'a mut [T],
 }
 
+/// Partial sums of a block. Only ever indexed by loop counters, so that they stay in registers.
+type Lanes<T> = [T; LANES];
+
 #[inline(always)]
-fn fold<T: Real>(lanes: &[T; LANES]) -> f64 {
-    lanes.iter().map(|x| x.widen()).sum()
+fn fold<T: Real>(lanes: Lanes<T>) -> f64 {
+    let mut total = 0.0;
+    for lane in lanes {
+        total += lane.widen();
+    }
+    total
 }
 
 /// The value where bit `lane` of `bits` is set, else 0: a compare and a blend once vectorised.
@@ -130,19 +139,62 @@ fn keep<T: Real>(bits: u32, lane: usize, value: T) -> T {
     if bits & 1 << lane == 0 { T::zero() } else { value }
 }
 
-/// Adds the kept `value(i)` of 64 texels to the lanes.
+/// lanes += the kept x, for 64 texels.
 #[inline(always)]
-fn add_word<T: Real>(word: u64, lanes: &mut [T; LANES], value: impl Fn(usize) -> T) {
-    if word == 0 {
-        return;
-    }
+fn add_kept<T: Real>(lanes: &mut Lanes<T>, x: &[T; 64], word: u64) {
     for group in 0..64 / LANES {
         let bits = (word >> (LANES * group)) as u32;
         for lane in 0..LANES {
-            let v = value(LANES * group + lane);
-            lanes[lane] += if word == !0 { v } else { keep(bits, lane, v) };
+            lanes[lane] += keep(bits, lane, x[LANES * group + lane]);
         }
     }
+}
+
+/// lanes += x · the kept y, for 64 texels.
+#[inline(always)]
+fn add_kept_products<T: Real>(lanes: &mut Lanes<T>, x: &[T; 64], y: &[T; 64], word: u64) {
+    for group in 0..64 / LANES {
+        let bits = (word >> (LANES * group)) as u32;
+        for lane in 0..LANES {
+            let i = LANES * group + lane;
+            lanes[lane] += x[i] * keep(bits, lane, y[i]);
+        }
+    }
+}
+
+/// lanes += x · y, for 64 texels.
+#[inline(always)]
+fn add_products<T: Real>(lanes: &mut Lanes<T>, x: &[T; 64], y: &[T; 64]) {
+    for group in 0..64 / LANES {
+        for lane in 0..LANES {
+            let i = LANES * group + lane;
+            lanes[lane] += x[i] * y[i];
+        }
+    }
+}
+
+/// out = the kept x, for 64 texels.
+#[inline(always)]
+fn select<T: Real>(out: &mut [T; 64], x: &[T; 64], word: u64) {
+    for group in 0..64 / LANES {
+        let bits = (word >> (LANES * group)) as u32;
+        for lane in 0..LANES {
+            let i = LANES * group + lane;
+            out[i] = keep(bits, lane, x[i]);
+        }
+    }
+}
+
+/// Σ over the kept of fewer than 64 texels, in f64.
+#[inline(always)]
+fn rest<T: Real>(len: usize, word: u64, value: impl Fn(usize) -> T) -> f64 {
+    let mut total = 0.0;
+    for i in 0..len {
+        if word >> i & 1 == 1 {
+            total += value(i).widen();
+        }
+    }
+    total
 }
 
 impl<T: Real> NullaryFnOnce for Single<'_, T> {
@@ -150,17 +202,27 @@ impl<T: Real> NullaryFnOnce for Single<'_, T> {
 
     #[inline(always)]
     fn call(self) -> f64 {
+        let (whole, tail) = self.x.as_chunks::<64>();
         let mut total = 0.0;
-        for (x, words) in self.x.chunks(BLOCK).zip(self.words.chunks(BLOCK / 64)) {
+        for (x, words) in whole.chunks(BLOCK).zip(self.words.chunks(BLOCK)) {
             let mut lanes = [T::zero(); LANES];
-            let (whole, rest) = x.as_chunks::<64>();
-            for (x, &word) in whole.iter().zip(words) {
-                add_word(word, &mut lanes, |i| x[i]);
+            for (x, &word) in x.iter().zip(words) {
+                match word {
+                    0 => {}
+                    FULL => {
+                        for group in 0..64 / LANES {
+                            for lane in 0..LANES {
+                                lanes[lane] += x[LANES * group + lane];
+                            }
+                        }
+                    }
+                    _ => add_kept(&mut lanes, x, word),
+                }
             }
-            for (i, &x) in rest.iter().enumerate() {
-                lanes[i % LANES] += keep((words[whole.len()] >> i) as u32, 0, x);
-            }
-            total += fold(&lanes);
+            total += fold(lanes);
+        }
+        if !tail.is_empty() {
+            total += rest(tail.len(), self.words[whole.len()], |i| tail[i]);
         }
         total
     }
@@ -172,25 +234,43 @@ impl<T: Real, const C: usize> NullaryFnOnce for Several<'_, T, C> {
     #[inline(always)]
     fn call(self) -> [f64; C] {
         let Self { x, y, words } = self;
+        let (whole, tail) = y.as_chunks::<64>();
         let mut total = [0.0; C];
-        for (block, (y, words)) in y.chunks(BLOCK).zip(words.chunks(BLOCK / 64)).enumerate() {
-            let x = x.map(|x| &x[block * BLOCK..][..y.len()]);
-            let mut lanes = [[T::zero(); LANES]; C];
-            let (whole, rest) = y.as_chunks::<64>();
-            let wholes = x.map(|x| x.as_chunks::<64>().0);
-            for (n, (y, &word)) in whole.iter().zip(words).enumerate() {
-                for (lanes, x) in lanes.iter_mut().zip(wholes) {
-                    let x = &x[n];
-                    add_word(word, lanes, |i| x[i] * y[i]);
+        // More than one channel: select once into a buffer, then plain products.
+        let mut kept = [[T::zero(); 64]; BLOCK];
+        for (block, (y, words)) in whole.chunks(BLOCK).zip(words.chunks(BLOCK)).enumerate() {
+            if C > 1 {
+                for ((kept, y), &word) in kept.iter_mut().zip(y).zip(words) {
+                    if word != 0 {
+                        select(kept, y, word);
+                    }
                 }
             }
-            for (i, &y) in rest.iter().enumerate() {
-                for (lanes, x) in lanes.iter_mut().zip(x) {
-                    lanes[i % LANES] += keep((words[whole.len()] >> i) as u32, 0, x[64 * whole.len() + i] * y);
+            for c in 0..C {
+                let x = &x[c].as_chunks::<64>().0[BLOCK * block..][..y.len()];
+                let mut lanes = [T::zero(); LANES];
+                if C > 1 {
+                    for ((x, kept), &word) in x.iter().zip(&kept).zip(words) {
+                        if word != 0 {
+                            add_products(&mut lanes, x, kept);
+                        }
+                    }
+                } else {
+                    for ((x, y), &word) in x.iter().zip(y).zip(words) {
+                        match word {
+                            0 => {}
+                            FULL => add_products(&mut lanes, x, y),
+                            _ => add_kept_products(&mut lanes, x, y, word),
+                        }
+                    }
                 }
+                total[c] += fold(lanes);
             }
-            for (total, lanes) in total.iter_mut().zip(&lanes) {
-                *total += fold(lanes);
+        }
+        if !tail.is_empty() {
+            let start = 64 * whole.len();
+            for c in 0..C {
+                total[c] += rest(tail.len(), words[whole.len()], |i| x[c][start + i] * tail[i]);
             }
         }
         total
@@ -203,25 +283,31 @@ impl<T: Real> NullaryFnOnce for Unmasked<'_, T> {
     #[inline(always)]
     fn call(self) -> f64 {
         let Self { x, y, z } = self;
-        let mut total = 0.0;
-        for start in (0..x.len()).step_by(BLOCK) {
-            let end = (start + BLOCK).min(x.len());
-            let mut lanes = [T::zero(); LANES];
-            let (x, y) = (&x[start..end], &y[start..end]);
-            let ((xs, x_rest), (ys, y_rest)) = (x.as_chunks::<LANES>(), y.as_chunks::<LANES>());
-            if let Some(z) = z {
-                let (zs, z_rest) = z[start..end].as_chunks::<LANES>();
-                for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
-                    (0..LANES).for_each(|i| lanes[i] += x[i] * y[i] * z[i]);
-                }
-                (0..x_rest.len()).for_each(|i| lanes[i] += x_rest[i] * y_rest[i] * z_rest[i]);
-            } else {
+        let ((xs, x), (ys, y)) = (x.as_chunks::<64>(), y.as_chunks::<64>());
+        let Some(z) = z else {
+            let mut total = rest(x.len(), FULL, |i| x[i] * y[i]);
+            for (xs, ys) in xs.chunks(BLOCK).zip(ys.chunks(BLOCK)) {
+                let mut lanes = [T::zero(); LANES];
                 for (x, y) in xs.iter().zip(ys) {
-                    (0..LANES).for_each(|i| lanes[i] += x[i] * y[i]);
+                    add_products(&mut lanes, x, y);
                 }
-                (0..x_rest.len()).for_each(|i| lanes[i] += x_rest[i] * y_rest[i]);
+                total += fold(lanes);
             }
-            total += fold(&lanes);
+            return total;
+        };
+        let (zs, z) = z.as_chunks::<64>();
+        let mut total = rest(x.len(), FULL, |i| x[i] * y[i] * z[i]);
+        for ((xs, ys), zs) in xs.chunks(BLOCK).zip(ys.chunks(BLOCK)).zip(zs.chunks(BLOCK)) {
+            let mut lanes = [T::zero(); LANES];
+            for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
+                for group in 0..64 / LANES {
+                    for lane in 0..LANES {
+                        let i = LANES * group + lane;
+                        lanes[lane] += x[i] * y[i] * z[i];
+                    }
+                }
+            }
+            total += fold(lanes);
         }
         total
     }
@@ -232,15 +318,13 @@ impl<T: Real> NullaryFnOnce for Select<'_, T> {
 
     #[inline(always)]
     fn call(self) {
-        for ((x, out), &word) in self.x.chunks(64).zip(self.out.chunks_mut(64)).zip(self.words) {
-            if let (Ok(x), Ok(out)) = (<&[T; 64]>::try_from(x), <&mut [T; 64]>::try_from(&mut *out)) {
-                for group in 0..64 / LANES {
-                    let bits = (word >> (LANES * group)) as u32;
-                    (0..LANES).for_each(|i| out[LANES * group + i] = keep(bits, i, x[LANES * group + i]));
-                }
-            } else {
-                x.iter().zip(out).enumerate().for_each(|(i, (&x, out))| *out = keep((word >> i) as u32, 0, x));
-            }
+        let (xs, x) = self.x.as_chunks::<64>();
+        let (outs, out) = self.out.as_chunks_mut::<64>();
+        for ((x, out), &word) in xs.iter().zip(outs).zip(self.words) {
+            select(out, x, word);
+        }
+        for i in 0..x.len() {
+            out[i] = keep((self.words[xs.len()] >> i) as u32, 0, x[i]);
         }
     }
 }

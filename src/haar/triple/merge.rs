@@ -11,78 +11,163 @@
 //! It is the sum over tripling coefficients of [Ng et al. 2004] regrouped: the nodes that L and B share need no intersection and the
 //! six permutations h v d no shuffles. A node costs one record of V and one record (B's nodes) or one number (L's nodes) of the other factor.
 
+use std::ops::Range;
+
+use pulp::{Arch, NullaryFnOnce};
+
 use super::bits::{BitPyramidRef, nibble_means, short_means, word_means};
 use super::mean_tree::{MeanTree, first_node};
 use super::nodes::SparseNodes;
 use crate::Real;
 
-/// Nodes whose f32 sums are folded into f64 at once.
+/// Nodes of each list whose sums in T are folded into f64 at once.
 const BLOCK: usize = 256;
 
-/// Four partial sums a channel, in T; folded into f64 now and then.
-struct Lanes<T, const C: usize>([[T; 4]; C]);
+/// Four partial sums a channel.
+///
+/// What fills them is one dispatched function (never inlined) that returns the four side by side, through memory: that makes the
+/// compiler keep them in one register of four lanes from the first node to the last. Where the sum over the lanes is in sight, it is
+/// lured into pairs, which is 1.5 times slower.
+type Lanes<T, const C: usize> = [[T; 4]; C];
 
-impl<T: Real, const C: usize> Lanes<T, C> {
+/// Some of L's nodes, and what Σ a_B(n) ⟨w_L, c_V⟩(n) reads: a_B by node.
+#[derive(Clone, Copy)]
+struct LightPart<'a, T, const C: usize> {
+    nodes: &'a [u32],
+    weights: &'a [[[T; 4]; C]],
+    brdf: &'a [T],
+}
+
+/// Some of B's nodes, and what Σ ⟨w_B, c_L c_V⟩(n) reads: c_L by node.
+#[derive(Clone, Copy)]
+struct BrdfPart<'a, T, const C: usize> {
+    nodes: &'a [u32],
+    weights: &'a [[T; 4]],
+    light: &'a [[[T; 4]; C]],
+}
+
+impl<T: Real, const C: usize> LightPart<'_, T, C> {
     #[inline(always)]
-    fn zero() -> Self {
-        Self([[T::zero(); 4]; C])
+    fn add(&self, lanes: &mut Lanes<T, C>, span: Range<usize>, visibility: impl Fn(usize) -> [T; 4]) {
+        for (&n, w) in self.nodes[span.clone()].iter().zip(&self.weights[span]) {
+            self.add_node(lanes, n as usize, w, visibility(n as usize));
+        }
     }
 
     #[inline(always)]
-    fn fold(&self, total: &mut [f64; C]) {
-        for (total, [a, b, c, d]) in total.iter_mut().zip(self.0) {
-            *total += (a.widen() + b.widen()) + (c.widen() + d.widen());
+    fn add_node(&self, lanes: &mut Lanes<T, C>, n: usize, w: &[[T; 4]; C], v: [T; 4]) {
+        let b = self.brdf[n];
+        add_products(lanes, w, [b * v[0], b * v[1], b * v[2], b * v[3]]);
+    }
+
+    fn part(self, span: Range<usize>) -> Self {
+        Self { nodes: &self.nodes[span.clone()], weights: &self.weights[span], ..self }
+    }
+}
+
+impl<T: Real, const C: usize> BrdfPart<'_, T, C> {
+    #[inline(always)]
+    fn add(&self, lanes: &mut Lanes<T, C>, span: Range<usize>, visibility: impl Fn(usize) -> [T; 4]) {
+        for (&n, w) in self.nodes[span.clone()].iter().zip(&self.weights[span]) {
+            self.add_node(lanes, n as usize, w, visibility(n as usize));
+        }
+    }
+
+    #[inline(always)]
+    fn add_node(&self, lanes: &mut Lanes<T, C>, n: usize, w: &[T; 4], v: [T; 4]) {
+        add_products(lanes, &self.light[n], [w[0] * v[0], w[1] * v[1], w[2] * v[2], w[3] * v[3]]);
+    }
+
+    fn part(self, span: Range<usize>) -> Self {
+        Self { nodes: &self.nodes[span.clone()], weights: &self.weights[span], ..self }
+    }
+}
+
+#[inline(always)]
+fn add_products<T: Real, const C: usize>(lanes: &mut Lanes<T, C>, x: &[[T; 4]; C], y: [T; 4]) {
+    for c in 0..C {
+        for i in 0..4 {
+            lanes[c][i] += x[c][i] * y[i];
         }
     }
 }
 
-/// Σ_{n ∈ L} a_B(n) ⟨w_L, c_V⟩(n) over some of L's nodes.
 #[inline(always)]
-fn light_part<T: Real, const C: usize>(
-    nodes: &[u32],
-    weights: &[[[T; 4]; C]],
-    brdf_means: &[T],
-    visibility: impl Fn(usize) -> [T; 4],
-    total: &mut [f64; C],
-) {
-    for (nodes, weights) in nodes.chunks(BLOCK).zip(weights.chunks(BLOCK)) {
-        let mut lanes = Lanes::<T, C>::zero();
-        for (&n, w) in nodes.iter().zip(weights) {
-            let v = visibility(n as usize);
-            let b = brdf_means[n as usize + 3];
-            let v = [b * v[0], b * v[1], b * v[2], b * v[3]];
-            for c in 0..C {
-                for i in 0..4 {
-                    lanes.0[c][i] += w[c][i] * v[i];
-                }
-            }
+fn sum<T: Real, const C: usize>(mut x: Lanes<T, C>, y: Lanes<T, C>) -> Lanes<T, C> {
+    for c in 0..C {
+        for i in 0..4 {
+            x[c][i] += y[c][i];
         }
-        lanes.fold(total);
+    }
+    x
+}
+
+/// Both lists' sums with V's means given.
+struct SumMeans<'a, T, const C: usize> {
+    light: LightPart<'a, T, C>,
+    brdf: BrdfPart<'a, T, C>,
+    visibility: &'a [[T; 4]],
+}
+
+impl<T: Real, const C: usize> NullaryFnOnce for SumMeans<'_, T, C> {
+    type Output = Lanes<T, C>;
+
+    #[inline(always)]
+    fn call(self) -> Lanes<T, C> {
+        let Self { light, brdf, visibility } = self;
+        // Equal lengths, so that one bounds check a node serves both of its records.
+        let light = LightPart { brdf: &light.brdf[..visibility.len()], ..light };
+        let brdf = BrdfPart { light: &brdf.light[..visibility.len()], ..brdf };
+        // One node of each list at a time: two chains of additions in flight instead of one.
+        let both = light.nodes.len().min(brdf.nodes.len());
+        let (mut of_light, mut of_brdf) = ([[T::zero(); 4]; C], [[T::zero(); 4]; C]);
+        let lights = light.nodes[..both].iter().zip(&light.weights[..both]);
+        let brdfs = brdf.nodes[..both].iter().zip(&brdf.weights[..both]);
+        for ((&l, light_weights), (&b, brdf_weights)) in lights.zip(brdfs) {
+            light.add_node(&mut of_light, l as usize, light_weights, visibility[l as usize]);
+            brdf.add_node(&mut of_brdf, b as usize, brdf_weights, visibility[b as usize]);
+        }
+        light.add(&mut of_light, both..light.nodes.len(), |n| visibility[n]);
+        brdf.add(&mut of_brdf, both..brdf.nodes.len(), |n| visibility[n]);
+        sum(of_light, of_brdf)
     }
 }
 
-/// Σ_{n ∈ B} ⟨w_B, c_L c_V⟩(n) over some of B's nodes.
+/// Both lists' sums with V as bits.
+struct SumBits<'a, T, const C: usize> {
+    light: LightPart<'a, T, C>,
+    brdf: BrdfPart<'a, T, C>,
+    visibility: BitPyramidRef<'a>,
+    /// Where in the two lists the third finest, second finest and finest level begin.
+    splits: [[usize; 3]; 2],
+}
+
+impl<T: Real, const C: usize> NullaryFnOnce for SumBits<'_, T, C> {
+    type Output = Lanes<T, C>;
+
+    #[inline(always)]
+    fn call(self) -> Lanes<T, C> {
+        let Self { light, brdf, visibility, splits: [l, b] } = self;
+        let (words, upper) = (visibility.words(), visibility.upper());
+        let [word, short, nibble] = [3, 2, 1].map(|by| first_node(visibility.levels().saturating_sub(by)));
+        let (mut of_light, mut of_brdf) = ([[T::zero(); 4]; C], [[T::zero(); 4]; C]);
+        let above = |n: usize| upper[n + 1].map(|x| T::of(f64::from(x)));
+        light.add(&mut of_light, 0..l[0], above);
+        brdf.add(&mut of_brdf, 0..b[0], above);
+        light.add(&mut of_light, l[0]..l[1], |n| word_means(words, n - word));
+        brdf.add(&mut of_brdf, b[0]..b[1], |n| word_means(words, n - word));
+        light.add(&mut of_light, l[1]..l[2], |n| short_means(words, n - short));
+        brdf.add(&mut of_brdf, b[1]..b[2], |n| short_means(words, n - short));
+        light.add(&mut of_light, l[2]..light.nodes.len(), |n| nibble_means(words, n - nibble));
+        brdf.add(&mut of_brdf, b[2]..brdf.nodes.len(), |n| nibble_means(words, n - nibble));
+        sum(of_light, of_brdf)
+    }
+}
+
 #[inline(always)]
-fn brdf_part<T: Real, const C: usize>(
-    nodes: &[u32],
-    weights: &[[[T; 4]; 1]],
-    light: &[[[T; 4]; C]],
-    visibility: impl Fn(usize) -> [T; 4],
-    total: &mut [f64; C],
-) {
-    for (nodes, weights) in nodes.chunks(BLOCK).zip(weights.chunks(BLOCK)) {
-        let mut lanes = Lanes::<T, C>::zero();
-        for (&n, [w]) in nodes.iter().zip(weights) {
-            let v = visibility(n as usize);
-            let l = &light[n as usize + 1];
-            let v = [w[0] * v[0], w[1] * v[1], w[2] * v[2], w[3] * v[3]];
-            for c in 0..C {
-                for i in 0..4 {
-                    lanes.0[c][i] += l[c][i] * v[i];
-                }
-            }
-        }
-        lanes.fold(total);
+fn fold<T: Real, const C: usize>(total: &mut [f64; C], lanes: &Lanes<T, C>) {
+    for (total, [a, b, c, d]) in total.iter_mut().zip(lanes) {
+        *total += (a.widen() + c.widen()) + (b.widen() + d.widen());
     }
 }
 
@@ -94,53 +179,64 @@ pub(super) struct Pair<'a, T, const C: usize> {
     pub(super) brdf_means: &'a MeanTree<T>,
 }
 
-impl<T: Real, const C: usize> Pair<'_, T, C> {
-    #[inline(always)]
+impl<'a, T: Real, const C: usize> Pair<'a, T, C> {
+    #[inline]
     fn root(&self, visibility: f64) -> [f64; C] {
         let b = self.brdf.mean(0).widen() * visibility;
         std::array::from_fn(|c| self.light.mean(c).widen() * b)
     }
 
+    #[inline]
+    fn parts(&self) -> (LightPart<'a, T, C>, BrdfPart<'a, T, C>) {
+        let (nodes, weights) = (self.light.nodes(), self.light.weights());
+        let light = LightPart { nodes, weights, brdf: &self.brdf_means.flat()[3..] };
+        let (nodes, weights) = (self.brdf.nodes(), self.brdf.weights().as_flattened());
+        (light, BrdfPart { nodes, weights, light: &self.light_means.blocks()[1..] })
+    }
+
     /// With V's means given.
-    #[inline(always)]
-    pub(super) fn with_means(&self, visibility: &MeanTree<T>) -> [f64; C] {
+    #[inline]
+    pub(super) fn with_means(&self, arch: Arch, visibility: &MeanTree<T>) -> [f64; C] {
         let mut total = self.root(visibility.mean(0, 0).widen());
-        let blocks = visibility.blocks().as_flattened();
-        let record = |n: usize| blocks[n + 1];
-        light_part(self.light.nodes(), self.light.weights(), self.brdf_means.flat(), record, &mut total);
-        brdf_part(self.brdf.nodes(), self.brdf.weights(), self.light_means.blocks(), record, &mut total);
+        let (light, brdf) = self.parts();
+        let visibility = &visibility.blocks().as_flattened()[1..];
+        for_blocks(light.nodes.len(), brdf.nodes.len(), |l, b| {
+            let (light, brdf) = (light.part(l), brdf.part(b));
+            fold(&mut total, &arch.dispatch(SumMeans { light, brdf, visibility }));
+        });
         total
     }
 
     /// With V as bits.
-    #[inline(always)]
-    pub(super) fn with_bits(&self, bits: BitPyramidRef<'_>) -> [f64; C] {
-        let mut total = self.root(f64::from(bits.mean()));
-        let (levels, words, upper) = (bits.levels(), bits.words(), bits.upper());
-        let above = levels.saturating_sub(3);
-        self.levels(0, above, |n| upper[n + 1].map(|x| T::of(f64::from(x))), &mut total);
-        if levels >= 3 {
-            let first = first_node(levels - 3);
-            self.levels(levels - 3, levels - 2, |n| word_means(words, n - first), &mut total);
-        }
-        if levels >= 2 {
-            let first = first_node(levels - 2);
-            self.levels(levels - 2, levels - 1, |n| short_means(words, n - first), &mut total);
-        }
-        if levels >= 1 {
-            let first = first_node(levels - 1);
-            self.levels(levels - 1, levels, |n| nibble_means(words, n - first), &mut total);
-        }
+    #[inline]
+    pub(super) fn with_bits(&self, arch: Arch, visibility: BitPyramidRef<'_>) -> [f64; C] {
+        let mut total = self.root(f64::from(visibility.mean()));
+        let (light, brdf) = self.parts();
+        let up = |by: u32| visibility.levels().saturating_sub(by);
+        let l = [3, 2, 1].map(|by| self.light.span(0, up(by)).end);
+        let b = [3, 2, 1].map(|by| self.brdf.span(0, up(by)).end);
+        for_blocks(light.nodes.len(), brdf.nodes.len(), |ls, bs| {
+            let clamp = |splits: [usize; 3], span: &Range<usize>| {
+                splits.map(|split| split.clamp(span.start, span.end) - span.start)
+            };
+            let splits = [clamp(l, &ls), clamp(b, &bs)];
+            let (light, brdf) = (light.part(ls), brdf.part(bs));
+            fold(&mut total, &arch.dispatch(SumBits { light, brdf, visibility, splits }));
+        });
         total
     }
+}
 
-    /// Both sums over the nodes of some levels.
-    #[inline(always)]
-    fn levels(&self, from: u32, to: u32, visibility: impl Fn(usize) -> [T; 4] + Copy, total: &mut [f64; C]) {
-        let (l, b) = (self.light.span(from, to), self.brdf.span(from, to));
-        let (nodes, weights) = (&self.light.nodes()[l.clone()], &self.light.weights()[l]);
-        light_part(nodes, weights, self.brdf_means.flat(), visibility, total);
-        let (nodes, weights) = (&self.brdf.nodes()[b.clone()], &self.brdf.weights()[b]);
-        brdf_part(nodes, weights, self.light_means.blocks(), visibility, total);
+/// Calls `f` with spans of at most [`BLOCK`] positions of two lists, together all of them.
+#[inline(always)]
+fn for_blocks(light: usize, brdf: usize, mut f: impl FnMut(Range<usize>, Range<usize>)) {
+    let mut start = 0;
+    loop {
+        let span = |len: usize| start.min(len)..(start + BLOCK).min(len);
+        f(span(light), span(brdf));
+        start += BLOCK;
+        if start >= light.max(brdf) {
+            return;
+        }
     }
 }
