@@ -1,1 +1,3 @@
 //! Naive `f64` twins of the fast paths: short, slow and obviously right, for tests here and elsewhere.
+
+pub mod sphere;
