@@ -3,3 +3,4 @@
 pub mod haar;
 #[cfg(feature = "scene")]
 pub mod scene;
+pub mod sphere;

@@ -22,6 +22,12 @@ use crate::numeric::safe_sqrt;
 /// Shares below this many steradians are rounding noise: a few eps of the radian-sized terms they come from.
 const NOISE: f64 = 1e-16;
 
+/// Below this n_s an arc is a meridian: numbers near the end of the range have too few digits for α and F to agree.
+const MERIDIAN: f64 = 1e-150;
+
+/// Azimuths (of up to 2π) that a boundary leaves open in a column beyond this are more than rounding.
+const NOT_CLOSED: f64 = 1e-13;
+
 /// A spherical quadrilateral: unit corners in cyclic order, and the normal of the edge from corner k to corner k + 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Quad {
@@ -133,8 +139,9 @@ impl LatLongCells {
                     break;
                 }
             }
-            // A boundary that closes leaves nothing above it, unless it runs round the pole.
-            if let (true, Some(top)) = (below.abs() * width as f64 > PI, next_row) {
+            // A boundary that closes leaves nothing above it, unless it runs round the pole or through it: an arc that
+            // meets the pole has no azimuth there to close with.
+            if let (true, Some(top)) = (below.abs() > NOT_CLOSED, next_row) {
                 (0..=top).for_each(|row| emit(column, row, below * self.row_height(row)));
             }
         }
@@ -162,7 +169,7 @@ impl LatLongCells {
     fn trace(&self, p: &Vector3<f64>, q: &Vector3<f64>, n: &Vector3<f64>, pieces: &mut Vec<Piece>) {
         // Walked so that φ increases. On a meridian dφ = 0, and the jump at the pole has nothing above it.
         let (p, q, n, sign) = if n.z < 0.0 { (q, p, -n, -1.0) } else { (p, q, *n, 1.0) };
-        if n.z == 0.0 {
+        if n.z < MERIDIAN {
             return;
         }
         let arc = Arc::new(&n);
@@ -302,5 +309,56 @@ impl Arc {
         let (cos, sin) = (ex * x + ey * y, (ex * y - ey * x) * self.up);
         // sin t = n_s sin α / √(cos²α + n_s² sin²α)
         (self.across * sin).atan2(self.up * (cos * cos + sin * sin).sqrt())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+
+    /// The largest amounts by which shares miss the solid angles of the texels and of the pixels that they make up.
+    fn worst_sums(grid: LatLongGrid, boxed: CubeGrid, rotation: &Rotation3<f64>) -> [f64; 2] {
+        let (cells, quads) = (LatLongCells::new(grid), TexelQuads::new(boxed, rotation));
+        let mut pixels = vec![0.0; grid.len()];
+        let (mut pieces, mut worst) = (Vec::new(), [0.0f64; 2]);
+        for i in 0..boxed.len() {
+            let mut texel = 0.0;
+            cells.overlaps(&quads.quad(i), &mut pieces, |k, share| {
+                texel += share;
+                pixels[k] += share;
+            });
+            let (_, x, y) = boxed.texel(i);
+            worst[0] = worst[0].max((texel - boxed.solid_angle(x, y)).abs());
+        }
+        for (k, pixel) in pixels.iter().enumerate() {
+            worst[1] = worst[1].max((pixel - grid.solid_angle(k / grid.width())).abs());
+        }
+        worst
+    }
+
+    #[test]
+    fn shares_make_up_every_texel_and_every_pixel() {
+        let about =
+            |x, y, z, angle| Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(Vector3::new(x, y, z)), angle);
+        let mut turns = vec![Rotation3::identity(), about(0.3, 1.0, -0.4, 2.0), about(1.0, 1.0, 1.0, TAU / 3.0)];
+        // Poles on corners and edges of texels, and off them by ever less, down to numbers below the normal range.
+        for tiny in [1e-4, 1e-8, 1e-12, 1e-15, 1e-16, 1e-17, 1e-100, 1e-300, 7e-317] {
+            turns.push(about(1.0, 0.0, 0.0, tiny));
+            turns.push(about(-0.2, 0.1, 1.0, tiny) * about(1.0, 0.0, 0.0, PI / 4.0));
+            let [a, b, c] = [tiny, tiny * 1e-16, tiny * 0.3];
+            if tiny < 1e-8 {
+                turns.push(Rotation3::from_matrix_unchecked(Matrix3::new(1.0, a, c, -a, 1.0, b, -c, -b, 1.0)));
+            }
+        }
+        for (width, height, side) in [(1, 1, 1), (5, 1, 2), (3, 2, 5), (33, 17, 4), (64, 32, 16), (2, 300, 3)] {
+            let (grid, boxed) = (LatLongGrid::new(width, height).unwrap(), CubeGrid::new(side).unwrap());
+            for turn in &turns {
+                let worst = worst_sums(grid, boxed, turn);
+                // Each of some tens of pieces a sum is right to a few eps of the terms it is made of, which are below π.
+                assert!(worst[0] < 1e-14 && worst[1] < 3e-14, "{width}×{height}, {side}, {turn:?}: {worst:?}");
+            }
+        }
     }
 }

@@ -112,7 +112,7 @@ impl EnvironmentLight {
     /// The mean radiance over every texel of a cube.
     ///
     /// Maps are resampled by [`Resampling::Smooth`], which keeps ∫ L dω at any size. Of a sky the sun keeps its energy
-    /// exactly, the rest to 1e-5: it is averaged over 256² or more points a face.
+    /// exactly, the rest to 1e-4: it is averaged over 256² or more points a face.
     /// Accuracy: ∫ L dω of maps to the rounding of `f32`, 1e-7 relative.
     pub fn to_cube(&self, grid: CubeGrid) -> CubeMap<Vector3<f32>> {
         match &self.source {

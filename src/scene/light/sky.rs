@@ -151,8 +151,9 @@ impl Sky {
     fn without_sun(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         let d = direction.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
         let above = smooth_step(d.y, self.horizon_softness);
-        let sky = self.horizon + (self.zenith - self.horizon) * d.y.max(0.0).powf(self.falloff);
-        let backdrop = self.ground + (sky - self.ground) * above;
+        let high = d.y.max(0.0).powf(self.falloff);
+        let sky = self.horizon * (1.0 - high) + self.zenith * high;
+        let backdrop = self.ground * (1.0 - above) + sky * above;
         self.boxes.iter().fold(backdrop, |sum, lamp| sum + lamp.radiance * lamp.coverage(&d))
     }
 

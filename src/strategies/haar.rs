@@ -1,8 +1,4 @@
-//! [`proptest`](https://docs.rs/proptest) strategies for the crate's inputs (feature `proptest`), for tests here and
-//! elsewhere.
-//!
-//! They lean on the edges where wavelet code breaks: size 1, all zeros, one sample only, two values only, numbers near
-//! the ends of the scalar's range. None generates NaN or infinity.
+//! Signals, images and sparse vectors.
 
 use proptest::collection::vec;
 use proptest::prelude::*;

@@ -1,0 +1,11 @@
+//! [`proptest`](https://docs.rs/proptest) strategies for the crate's inputs (feature `proptest`), for tests here and
+//! elsewhere.
+//!
+//! They lean on the edges where code like this breaks: size 1, all zeros, one sample only, numbers near the ends of the
+//! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
+
+mod haar;
+mod sphere;
+
+pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
+pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
