@@ -1198,6 +1198,22 @@ fn lying_headers() {
         "a.exr, header, display window: a picture of 65536 × 65536 pixels; at most 2^27 can be read",
     );
 
+    // A data window beyond what the bytes can hold, and a display window that is almost all empty.
+    let mut wide = encode_exr(&picture(4, 4)).unwrap();
+    let i = at(&wide, b"dataWindow\0box2i\0") + 4;
+    wide[i + 8..i + 12].copy_from_slice(&0x7f_ffffu32.to_le_bytes());
+    golden(
+        read_exr(&wide, "a.exr"),
+        &format!("a.exr, header, data window: 8388608 × 4 pixels in 1 blocks cannot come from {} bytes", wide.len()),
+    );
+    let mut empty = encode_exr(&picture(4, 4)).unwrap();
+    let i = at(&empty, b"displayWindow\0box2i\0") + 4;
+    empty[i + 8..i + 12].copy_from_slice(&0xff_ffffu32.to_le_bytes());
+    golden(
+        read_exr(&empty, "a.exr"),
+        "a.exr, header, display window: 16777216 × 4 pixels, more than 1024 times the 4 × 4 that have data",
+    );
+
     let mut png = encode_png(&picture(4, 4), 0.0).unwrap();
     png[16..24].copy_from_slice(&[0, 0, 0xff, 0xff, 0, 0, 0x07, 0xff]);
     let e = read_png(&png, "a.png").unwrap_err().to_string();

@@ -24,7 +24,8 @@ use crate::{Error, Result};
 ///
 /// # Errors
 /// [`Error::File`] with the block or pixel: several parts, deep data, subsampled or luminance-chroma colour, channels
-/// that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`] pixels, damage of any kind.
+/// that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`] pixels,
+/// a display window of more than 1024 times the data window, damage of any kind.
 pub fn read_exr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
     let mut report = Report::new(name);
     if bytes.is_empty() {
@@ -84,12 +85,14 @@ fn decode(
     let layout = Layout::new(header, bytes.len(), report)?;
     let chunks = reader.filter_chunks(false, |_, tile, _| tile.level_index == Vec2(0, 0))?;
     let total = chunks.expected_chunk_count();
-    let mut pixels = vec![Vector3::zeros(); layout.width * layout.height];
+    // Taken when the first block has shown that the size is not a lie.
+    let mut pixels = Vec::new();
     let mut blocks = chunks.sequential_decompressor(false);
     for i in 0..total {
         at.set(Some((i, total)));
         let block = blocks.decompress_next_block();
         let block = block.ok_or_else(|| report.error(format!("block {i} of {total}"), "the file ends here"))??;
+        pixels.resize(layout.width * layout.height, Vector3::zeros());
         layout.copy(&block, &blocks.meta_data().headers[0], &mut pixels)?;
     }
     Ok((layout.width, layout.height, pixels))
@@ -112,10 +115,22 @@ impl Layout {
         check_size(report, "header, display window", width, height)?;
         let Vec2(data_width, data_height) = header.layer_size;
         check_size(report, "header, data window", data_width, data_height)?;
-        // Each block has an entry of 8 bytes in the offset table and a head of at least 8 of its own.
-        if header.chunk_count.saturating_mul(16) > bytes {
-            let reason = format!("{} blocks cannot come from {bytes} bytes", header.chunk_count);
-            return Err(report.error("header", reason));
+        // Each block has an entry of 8 bytes in the offset table and a head of at least 8 of its own. Compression at its
+        // best is DWA of one colour: a symbol of 2 bytes for 8 × 8 halves, which Deflate shortens 1032 times: 2^16.01.
+        let raw = data_width.saturating_mul(data_height).saturating_mul(header.channels.bytes_per_pixel);
+        if header.chunk_count.saturating_mul(16) > bytes || raw >> 17 > bytes {
+            let reason = format!(
+                "{data_width} × {data_height} pixels in {} blocks cannot come from {bytes} bytes",
+                header.chunk_count
+            );
+            return Err(report.error("header, data window", reason));
+        }
+        // What the data leave free costs no bytes, so that nothing else bounds it.
+        if width * height / 1024 > data_width * data_height {
+            let reason = format!(
+                "{width} × {height} pixels, more than 1024 times the {data_width} × {data_height} that have data"
+            );
+            return Err(report.error("header, display window", reason));
         }
         let Vec2(x, y) = header.own_attributes.layer_position;
         let offset = [i64::from(x) - i64::from(display.position.0), i64::from(y) - i64::from(display.position.1)];
