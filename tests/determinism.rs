@@ -1,0 +1,87 @@
+//! The same bits for any number of threads, and without threads.
+//!
+//! The hashes of what a small scene gives are compared between pools of 1, 2 and 5 threads; the build without feature `rayon`
+//! runs the same code once and compares with the hashes that a build with threads wrote next to its test binary, if there is one.
+#![cfg(all(feature = "wavelet", feature = "scene"))]
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+
+use haarmonic::backend::wavelet::{
+    DoubleRelighter, DoubleSettings, DoubleTransport, Slices, TripleRelighter, TripleSettings, TripleTransport,
+};
+use haarmonic::haar::{Keep, Weighting};
+use haarmonic::nalgebra::Vector3;
+use haarmonic::scene::{
+    EnvironmentLight, GroundTruth, Materials, Phong, Procedural, Sky, TexelVisibility, View, VisibilityBaker,
+    VisibilitySettings,
+};
+use haarmonic::sphere::CubeGrid;
+
+fn hash(values: impl IntoIterator<Item = u64>) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    values.into_iter().for_each(|v| v.hash(&mut hasher));
+    hasher.finish()
+}
+
+fn bits(radiance: &[Vector3<f32>]) -> u64 {
+    hash(radiance.iter().flat_map(|l| l.iter().map(|c| u64::from(c.to_bits())).collect::<Vec<_>>()))
+}
+
+/// Light, visibility, ground truth, double product, triple product sampled and tabulated.
+fn hashes() -> [u64; 6] {
+    let model = Procedural::TorusKnotOnFloor.build(1000).unwrap();
+    let grid = CubeGrid::new(16).unwrap();
+    let materials = Materials::uniform(Phong::new([0.7, 0.5, 0.3], 15.0).unwrap());
+    let view = View::eye(model.camera.eye().cast()).unwrap();
+    let light = EnvironmentLight::from_sky(Sky::default()).unwrap().to_cube(grid);
+    let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).unwrap();
+    let visibility = baker.bake(&()).unwrap();
+    let truth = GroundTruth { mesh: &model.mesh, materials: &materials, view: &view, light: &light };
+    let truth = truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap();
+    let mut out = vec![Vector3::zeros(); truth.len()];
+
+    let double = DoubleTransport::bake(&model.mesh, &visibility, &materials, &view, &DoubleSettings::default(), &());
+    let double = double.unwrap();
+    let mut relighter = DoubleRelighter::new(&double).unwrap();
+    relighter.set_light(&light, Keep::Fraction(0.05), Weighting::Area).unwrap();
+    relighter.relight(&mut out);
+    let by_double = bits(&out);
+
+    let transport = TripleTransport::new(visibility.clone()).unwrap();
+    let triple = [Slices::Sampled, Slices::Tabulated(8)].map(|slices| {
+        let settings = TripleSettings { slices, ..TripleSettings::default() };
+        let mut relighter = TripleRelighter::new(&model.mesh, &transport, settings, Weighting::Integral).unwrap();
+        relighter.set_light(&light).unwrap();
+        relighter.relight(&view, &materials, &mut out).unwrap();
+        bits(&out)
+    });
+    let truth = hash(truth.iter().flat_map(|l| l.iter().map(|c| c.to_bits()).collect::<Vec<_>>()));
+    [bits(light.texels()), hash(visibility.words().iter().copied()), truth, by_double, triple[0], triple[1]]
+}
+
+/// Where the build with threads leaves its hashes for the build without.
+fn record() -> std::path::PathBuf {
+    std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("determinism.hashes")
+}
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let with = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(hashes);
+    let one = with(1);
+    assert_eq!(one, with(2));
+    assert_eq!(one, with(5));
+    std::fs::write(record(), format!("{one:?}")).unwrap();
+}
+
+#[cfg(not(feature = "rayon"))]
+#[test]
+#[expect(clippy::print_stderr, reason = "a skipped comparison must be seen")]
+fn no_threads_give_the_same_bits() {
+    let alone = hashes();
+    assert_eq!(alone, hashes());
+    match std::fs::read_to_string(record()) {
+        Ok(threaded) => assert_eq!(threaded, format!("{alone:?}")),
+        Err(_) => eprintln!("skipped: run the tests with feature rayon first to compare with threads"),
+    }
+}
