@@ -34,7 +34,7 @@ const MOST: usize = 1 << 26;
 /// face, bad normals.
 ///
 /// # Errors
-/// [`Error::File`] with the line of the JSON or the name of the object in it: sparse or compressed accessors (Draco,
+/// [`Error::File`](crate::Error::File) with the line of the JSON or the name of the object in it: sparse or compressed accessors (Draco,
 /// meshopt), other required extensions, no `POSITION`, anything that reaches outside its buffer, NaN or infinite
 /// coordinates, indices out of range, a node that is reached twice, more than 2²⁶ vertices or triangles.
 pub fn read_gltf(bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded<Mesh>> {

@@ -22,7 +22,7 @@ use crate::scene::Mesh;
 /// zero or not finite, bytes after the end.
 ///
 /// # Errors
-/// [`Error::File`] with the line, or the element and byte offset, for everything else that cannot be read: counts beyond
+/// [`Error::File`](crate::Error::File) with the line, or the element and byte offset, for everything else that cannot be read: counts beyond
 /// the bytes that are there, a coordinate that is NaN or infinite (in `f32`), an index out of range, a file cut short.
 pub fn read_ply(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Mesh>> {
     let mut report = Report::new(name);
