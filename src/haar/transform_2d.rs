@@ -101,7 +101,7 @@ impl<T: Real> Transform2d<T> {
     pub fn scratch_len(&self) -> usize {
         match self.decomposition {
             Decomposition::Nonstandard => kernels::pyramid_offset(self.width_log) + self.len() / 4 * 3,
-            Decomposition::Standard => self.len().max(2 * self.width()),
+            Decomposition::Standard => self.len() + self.width(),
         }
     }
 
@@ -289,24 +289,40 @@ impl<T: Real> WithSimd for Standard<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { levels: [width_log, height_log], direction, src, dst, scratch } = self;
-        let (width, len) = (1usize << width_log, 1usize << (width_log + height_log));
-        if let Some(src) = src {
-            dst.copy_from_slice(src);
+        let Self { levels, direction, src, dst, scratch } = self;
+        let len = 1usize << (levels[0] + levels[1]);
+        let (work, means) = scratch.split_at_mut(len);
+        // In place or not, the first axis goes to `work` and the second from there.
+        for (i, dst) in dst.chunks_exact_mut(len).enumerate() {
+            standard_first(levels, direction, src.map_or(&*dst, |src| &src[i * len..][..len]), work, means);
+            standard_second(levels, direction, work, dst, means);
         }
-        for data in dst.chunks_exact_mut(len) {
-            if direction == Direction::Inverse {
-                kernels::columns_inverse(height_log, width, data, &mut scratch[..len]);
+    }
+}
+
+/// Rows forward, or columns inverse.
+#[inline(always)]
+fn standard_first<T: Real>(levels: [u32; 2], direction: Direction, src: &[T], work: &mut [T], means: &mut [T]) {
+    let width = 1usize << levels[0];
+    match direction {
+        Direction::Inverse => kernels::columns_inverse(levels[1], width, src, work),
+        Direction::Forward => {
+            for (src, dst) in src.chunks_exact(width).zip(work.chunks_exact_mut(width)) {
+                kernels::line_forward(levels[0], src, dst, means);
             }
-            let (means, details) = scratch.split_at_mut(width);
-            for row in data.chunks_exact_mut(width) {
-                match direction {
-                    Direction::Forward => kernels::line_forward_in_place(width_log, row, means, details),
-                    Direction::Inverse => kernels::line_inverse_in_place(width_log, row, means, details),
-                }
-            }
-            if direction == Direction::Forward {
-                kernels::columns_forward(height_log, width, data, &mut scratch[..len]);
+        }
+    }
+}
+
+/// Columns forward, or rows inverse.
+#[inline(always)]
+fn standard_second<T: Real>(levels: [u32; 2], direction: Direction, work: &mut [T], dst: &mut [T], means: &mut [T]) {
+    let width = 1usize << levels[0];
+    match direction {
+        Direction::Forward => kernels::columns_forward(levels[1], width, work, dst),
+        Direction::Inverse => {
+            for (src, dst) in work.chunks_exact(width).zip(dst.chunks_exact_mut(width)) {
+                kernels::line_inverse(levels[0], src, dst, means);
             }
         }
     }

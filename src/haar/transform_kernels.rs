@@ -8,6 +8,8 @@
 //!
 //! The halvings come first: no sum of finite samples overflows, and the power of two costs no accuracy.
 
+use std::hint::black_box;
+
 use crate::Real;
 
 /// Where level l of a mean pyramid starts: 1 + 4 + … + 4^{l−1} = (4^l − 1)/3.
@@ -29,76 +31,126 @@ pub(super) fn root_power<T: Real>(level: u32) -> T {
     T::of(if level % 2 == 0 { even } else { even * std::f64::consts::SQRT_2 })
 }
 
-/// Two rows of samples → one row of means and of each detail.
+/// The width of a step of the wide kernels: whole vectors of every machine, in both precisions.
+const WIDE: usize = 8;
+
+/// A row of N 2 × 2 blocks → their means and details.
+///
+/// It works on arrays by value: everything is read before anything is written, so that the compiler need not know whether
+/// the slices of the caller overlap (through `pulp` it does not), and turns straight-line code into vectors and shuffles.
 #[inline(always)]
-fn analyse_rows<T: Real>(
-    [top, bottom]: [&[T]; 2],
-    mean: &mut [T],
-    [horizontal, vertical, diagonal]: [&mut [T]; 3],
-    scale: T,
-) {
-    let w = mean.len();
-    let (top, bottom) = (&top.as_chunks::<2>().0[..w], &bottom.as_chunks::<2>().0[..w]);
-    let (horizontal, vertical, diagonal) = (&mut horizontal[..w], &mut vertical[..w], &mut diagonal[..w]);
+fn analyse<T: Real, const N: usize>(top: &[[T; 2]; N], bottom: &[[T; 2]; N], scale: T) -> [[T; N]; 4] {
     let quarter = T::of(0.25);
-    for x in 0..w {
-        let ([a, b], [c, d]) = (top[x], bottom[x]);
-        let (a, b, c, d) = (quarter * a, quarter * b, quarter * c, quarter * d);
-        let (sum_left, sum_right, step_left, step_right) = (a + c, b + d, a - c, b - d);
-        mean[x] = sum_left + sum_right;
-        horizontal[x] = scale * (sum_left - sum_right);
-        vertical[x] = scale * (step_left + step_right);
-        diagonal[x] = scale * (step_left - step_right);
+    let (mut sum, mut step) = ([[T::zero(); 2]; N], [[T::zero(); 2]; N]);
+    for x in 0..N {
+        for side in 0..2 {
+            let (a, c) = (quarter * top[x][side], quarter * bottom[x][side]);
+            (sum[x][side], step[x][side]) = (a + c, a - c);
+        }
     }
+    let mut out = [[T::zero(); N]; 4];
+    for x in 0..N {
+        out[0][x] = sum[x][0] + sum[x][1];
+        out[1][x] = scale * (sum[x][0] - sum[x][1]);
+        out[2][x] = scale * (step[x][0] + step[x][1]);
+        out[3][x] = scale * (step[x][0] - step[x][1]);
+    }
+    out
 }
 
-/// One row of means and of each detail → two rows of samples.
+/// The inverse of [`analyse`], before its results are interleaved: [top, bottom][left, right][block].
 #[inline(always)]
-fn synthesise_rows<T: Real>(
-    mean: &[T],
-    [horizontal, vertical, diagonal]: [&[T]; 3],
-    [top, bottom]: [&mut [T]; 2],
-    scale: T,
-) {
-    let w = mean.len();
-    let (top, bottom) = (&mut top.as_chunks_mut::<2>().0[..w], &mut bottom.as_chunks_mut::<2>().0[..w]);
-    let (horizontal, vertical, diagonal) = (&horizontal[..w], &vertical[..w], &diagonal[..w]);
-    for x in 0..w {
-        let (h, v, d) = (scale * horizontal[x], scale * vertical[x], scale * diagonal[x]);
-        // m ± h are the means of the left and right halves, v ± d half their vertical steps: bounded by the samples.
-        let (left, right, step_left, step_right) = (mean[x] + h, mean[x] - h, v + d, v - d);
-        top[x] = [left + step_left, right + step_right];
-        bottom[x] = [left - step_left, right - step_right];
+fn synthesise<T: Real, const N: usize>([mean, h, v, d]: [&[T; N]; 4], scale: T) -> [[[T; N]; 2]; 2] {
+    // m ± h are the means of the left and right halves, v ± d half their vertical steps: bounded by the samples.
+    let (mut sum, mut step) = ([[T::zero(); N]; 2], [[T::zero(); N]; 2]);
+    for x in 0..N {
+        let (h, v, d) = (scale * h[x], scale * v[x], scale * d[x]);
+        (sum[0][x], sum[1][x], step[0][x], step[1][x]) = (mean[x] + h, mean[x] - h, v + d, v - d);
     }
+    let mut out = [[[T::zero(); N]; 2]; 2];
+    for side in 0..2 {
+        for x in 0..N {
+            out[0][side][x] = sum[side][x] + step[side][x];
+            out[1][side][x] = sum[side][x] - step[side][x];
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn interleave<T: Real, const N: usize>([left, right]: &[[T; N]; 2]) -> [[T; 2]; N] {
+    let mut out = [[T::zero(); 2]; N];
+    for x in 0..N {
+        out[x] = [left[x], right[x]];
+    }
+    out
 }
 
 /// Means of level l + 1 (`fine`, side 2w) → means (side w) and the three detail blocks of level l, w = 2^l.
 #[inline(always)]
 fn analyse_level<T: Real>(level: u32, fine: &[T], mean: &mut [T], details: &mut [T]) {
-    let w = 1usize << level;
-    let scale = T::one() / power::<T>(level);
-    let (horizontal, rest) = details.split_at_mut(w * w);
-    let (vertical, diagonal) = rest.split_at_mut(w * w);
-    let rows = fine.chunks_exact(4 * w).zip(mean.chunks_exact_mut(w));
-    let details = horizontal.chunks_exact_mut(w).zip(vertical.chunks_exact_mut(w)).zip(diagonal.chunks_exact_mut(w));
-    for ((fine, mean), ((h, v), d)) in rows.zip(details) {
-        let (top, bottom) = fine.split_at(2 * w);
-        analyse_rows([top, bottom], mean, [h, v, d], scale);
+    match level {
+        0 => analyse_steps::<T, 1>(level, fine, mean, details),
+        1 => analyse_steps::<T, 2>(level, fine, mean, details),
+        2 => analyse_steps::<T, 4>(level, fine, mean, details),
+        _ => analyse_steps::<T, WIDE>(level, fine, mean, details),
+    }
+}
+
+#[inline(always)]
+fn analyse_steps<T: Real, const N: usize>(level: u32, fine: &[T], mean: &mut [T], details: &mut [T]) {
+    let (w, scale) = (1usize << level, T::one() / power::<T>(level));
+    let steps = w / N;
+    let fine = fine.as_chunks::<2>().0.as_chunks::<N>().0;
+    let mean = mean.as_chunks_mut::<N>().0;
+    let (horizontal, rest) = details.as_chunks_mut::<N>().0.split_at_mut(w * steps);
+    let (vertical, diagonal) = rest.split_at_mut(w * steps);
+    for y in 0..w {
+        let (top, bottom) = fine[2 * y * steps..][..2 * steps].split_at(steps);
+        let row = y * steps..(y + 1) * steps;
+        let (mean, h) = (&mut mean[row.clone()], &mut horizontal[row.clone()]);
+        let (v, d) = (&mut vertical[row.clone()], &mut diagonal[row]);
+        for x in 0..steps {
+            // An index of unknown value: the compiler must not gather several steps into one, that is 3× slower.
+            let x = black_box(x);
+            [mean[x], h[x], v[x], d[x]] = analyse(&top[x], &bottom[x], scale);
+        }
     }
 }
 
 /// The inverse of [`analyse_level`].
 #[inline(always)]
 fn synthesise_level<T: Real>(level: u32, mean: &[T], details: &[T], fine: &mut [T]) {
-    let w = 1usize << level;
-    let scale = power::<T>(level);
-    let (horizontal, rest) = details.split_at(w * w);
-    let (vertical, diagonal) = rest.split_at(w * w);
-    let rows = fine.chunks_exact_mut(4 * w).zip(mean.chunks_exact(w));
-    let details = horizontal.chunks_exact(w).zip(vertical.chunks_exact(w)).zip(diagonal.chunks_exact(w));
-    for ((fine, mean), ((h, v), d)) in rows.zip(details) {
-        let (top, bottom) = fine.split_at_mut(2 * w);
-        synthesise_rows(mean, [h, v, d], [top, bottom], scale);
+    match level {
+        0 => synthesise_steps::<T, 1>(level, mean, details, fine),
+        1 => synthesise_steps::<T, 2>(level, mean, details, fine),
+        2 => synthesise_steps::<T, 4>(level, mean, details, fine),
+        _ => synthesise_steps::<T, WIDE>(level, mean, details, fine),
+    }
+}
+
+#[inline(always)]
+fn synthesise_steps<T: Real, const N: usize>(level: u32, mean: &[T], details: &[T], fine: &mut [T]) {
+    let (w, scale) = (1usize << level, power::<T>(level));
+    let steps = w / N;
+    let fine = fine.as_chunks_mut::<2>().0.as_chunks_mut::<N>().0;
+    let mean = mean.as_chunks::<N>().0;
+    let (horizontal, rest) = details.as_chunks::<N>().0.split_at(w * steps);
+    let (vertical, diagonal) = rest.split_at(w * steps);
+    for y in 0..w {
+        let (top, bottom) = fine[2 * y * steps..][..2 * steps].split_at_mut(steps);
+        let row = y * steps..(y + 1) * steps;
+        let (mean, h) = (&mean[row.clone()], &horizontal[row.clone()]);
+        let (v, d) = (&vertical[row.clone()], &diagonal[row]);
+        for x in 0..steps {
+            let mut out = synthesise([&mean[x], &h[x], &v[x], &d[x]], scale);
+            if N == WIDE {
+                // A store that must happen: arithmetic stays in whole vectors, interleaving is done on reading back.
+                // Otherwise the compiler shuffles first and adds and subtracts in mixed lanes: twice the time.
+                black_box(&mut out);
+            }
+            (top[x], bottom[x]) = (interleave(&out[0]), interleave(&out[1]));
+        }
     }
 }
 
@@ -165,18 +217,29 @@ pub(super) fn nonstandard_inverse_in_place<T: Real>(levels: u32, data: &mut [T],
 /// Means of every level below `levels`, from the pyramid's finest.
 #[inline(always)]
 pub(super) fn mean_pyramid<T: Real>(levels: u32, pyramid: &mut [T]) {
-    let quarter = T::of(0.25);
     for level in (0..levels).rev() {
-        let w = 1usize << level;
         let (coarse, fine) = pyramid.split_at_mut(pyramid_offset(level + 1));
-        let coarse = coarse[pyramid_offset(level)..].chunks_exact_mut(w);
-        for (mean, fine) in coarse.zip(fine.chunks_exact(4 * w)) {
-            let (top, bottom) = fine.split_at(2 * w);
-            let (top, bottom) = (&top.as_chunks::<2>().0[..w], &bottom.as_chunks::<2>().0[..w]);
-            for x in 0..w {
-                let ([a, b], [c, d]) = (top[x], bottom[x]);
-                mean[x] = (quarter * a + quarter * c) + (quarter * b + quarter * d);
-            }
+        let mean = &mut coarse[pyramid_offset(level)..];
+        match level {
+            0 => mean_steps::<T, 1>(level, fine, mean),
+            1 => mean_steps::<T, 2>(level, fine, mean),
+            2 => mean_steps::<T, 4>(level, fine, mean),
+            _ => mean_steps::<T, WIDE>(level, fine, mean),
+        }
+    }
+}
+
+/// [`analyse_steps`] without the details.
+#[inline(always)]
+fn mean_steps<T: Real, const N: usize>(level: u32, fine: &[T], mean: &mut [T]) {
+    let w = 1usize << level;
+    let steps = w / N;
+    let fine = fine.as_chunks::<2>().0.as_chunks::<N>().0;
+    for (y, mean) in mean.as_chunks_mut::<N>().0[..w * steps].chunks_exact_mut(steps).enumerate() {
+        let (top, bottom) = fine[2 * y * steps..][..2 * steps].split_at(steps);
+        for x in 0..steps {
+            let x = black_box(x); // as in analyse_steps
+            [mean[x], ..] = analyse(&top[x], &bottom[x], T::one());
         }
     }
 }
@@ -203,7 +266,7 @@ fn synthesise_level_1d<T: Real>(level: u32, mean: &[T], detail: &[T], fine: &mut
     let (mean, detail, fine) = (&mean[..w], &detail[..w], &mut fine.as_chunks_mut::<2>().0[..w]);
     for t in 0..w {
         let d = scale * detail[t];
-        fine[t] = [mean[t] + d, mean[t] - d];
+        (fine[t][0], fine[t][1]) = (mean[t] + d, mean[t] - d);
     }
 }
 
@@ -267,61 +330,87 @@ pub(super) fn line_inverse_in_place<T: Real>(levels: u32, data: &mut [T], means:
     synthesise_level_1d(last, &means[half - 1..], details, data);
 }
 
-/// 1D transforms of all columns of rows `width` long, 2^levels rows, in place; `details` holds as much as `data`.
+/// 1D transforms of all columns of `data` (2^levels rows, `width` long; destroyed) to `coefs`.
 ///
-/// The mean of rows 2t and 2t + 1 overwrites row t, the details wait in `details` until no mean is left to read.
+/// The mean of rows 2t and 2t + 1 overwrites row t, the details go where they belong.
 #[inline(always)]
-pub(super) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], details: &mut [T]) {
-    let half = T::of(0.5);
+pub(super) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], coefs: &mut [T]) {
     for level in (0..levels).rev() {
         let w = 1usize << level;
         let scale = T::one() / root_power::<T>(level);
-        for (t, detail) in details[w * width..2 * w * width].chunks_exact_mut(width).enumerate() {
+        for t in 0..w {
+            let detail = &mut coefs[(w + t) * width..][..width];
             let (means, rows) = data.split_at_mut((2 * t).max(1) * width);
             if t == 0 {
-                // Row 0 is both an operand and the place of the mean.
-                let (mean, b) = (&mut means[..width], &rows[..width]);
-                for x in 0..width {
-                    let (a, b) = (half * mean[x], half * b[x]);
-                    mean[x] = a + b;
-                    detail[x] = scale * (a - b);
-                }
+                analyse_first_row(means, &rows[..width], detail, scale);
             } else {
-                let (mean, a, b) = (&mut means[t * width..][..width], &rows[..width], &rows[width..2 * width]);
-                for x in 0..width {
-                    let (a, b) = (half * a[x], half * b[x]);
-                    mean[x] = a + b;
-                    detail[x] = scale * (a - b);
-                }
+                let (a, b) = rows[..2 * width].split_at(width);
+                analyse_row_pair(a, b, &mut means[t * width..][..width], detail, scale);
             }
         }
     }
-    data[width..].copy_from_slice(&details[width..]);
+    coefs[..width].copy_from_slice(&data[..width]);
 }
 
-/// The inverse of [`columns_forward`].
 #[inline(always)]
-pub(super) fn columns_inverse<T: Real>(levels: u32, width: usize, data: &mut [T], details: &mut [T]) {
-    details[width..].copy_from_slice(&data[width..]);
+fn analyse_row_pair<T: Real>(a: &[T], b: &[T], mean: &mut [T], detail: &mut [T], scale: T) {
+    let width = mean.len();
+    let (a, b, detail, half) = (&a[..width], &b[..width], &mut detail[..width], T::of(0.5));
+    for x in 0..width {
+        let (a, b) = (half * a[x], half * b[x]);
+        mean[x] = a + b;
+        detail[x] = scale * (a - b);
+    }
+}
+
+/// Row 0 is both an operand and the place of the mean.
+#[inline(always)]
+fn analyse_first_row<T: Real>(mean: &mut [T], b: &[T], detail: &mut [T], scale: T) {
+    let width = mean.len();
+    let (b, detail, half) = (&b[..width], &mut detail[..width], T::of(0.5));
+    for x in 0..width {
+        let (a, b) = (half * mean[x], half * b[x]);
+        mean[x] = a + b;
+        detail[x] = scale * (a - b);
+    }
+}
+
+/// The inverse of [`columns_forward`]: `coefs` to `data`.
+#[inline(always)]
+pub(super) fn columns_inverse<T: Real>(levels: u32, width: usize, coefs: &[T], data: &mut [T]) {
+    data[..width].copy_from_slice(&coefs[..width]);
     for level in 0..levels {
         let w = 1usize << level;
         let scale = root_power::<T>(level);
-        for (t, detail) in details[w * width..2 * w * width].chunks_exact(width).enumerate().rev() {
+        for t in (0..w).rev() {
+            let detail = &coefs[(w + t) * width..][..width];
             let (means, rows) = data.split_at_mut((2 * t).max(1) * width);
             if t == 0 {
-                let (mean, b) = (&mut means[..width], &mut rows[..width]);
-                for x in 0..width {
-                    let (m, d) = (mean[x], scale * detail[x]);
-                    (mean[x], b[x]) = (m + d, m - d);
-                }
+                synthesise_first_row(means, &mut rows[..width], detail, scale);
             } else {
-                let mean = &means[t * width..][..width];
                 let (a, b) = rows[..2 * width].split_at_mut(width);
-                for x in 0..width {
-                    let (m, d) = (mean[x], scale * detail[x]);
-                    (a[x], b[x]) = (m + d, m - d);
-                }
+                synthesise_row_pair(&means[t * width..][..width], detail, a, b, scale);
             }
         }
+    }
+}
+
+#[inline(always)]
+fn synthesise_row_pair<T: Real>(mean: &[T], detail: &[T], a: &mut [T], b: &mut [T], scale: T) {
+    let width = mean.len();
+    let (detail, a, b) = (&detail[..width], &mut a[..width], &mut b[..width]);
+    for x in 0..width {
+        let (m, d) = (mean[x], scale * detail[x]);
+        (a[x], b[x]) = (m + d, m - d);
+    }
+}
+
+#[inline(always)]
+fn synthesise_first_row<T: Real>(mean: &mut [T], b: &mut [T], detail: &[T], scale: T) {
+    let width = mean.len();
+    let (detail, b) = (&detail[..width], &mut b[..width]);
+    for x in 0..width {
+        let (m, d) = (mean[x], scale * detail[x]);
+        (mean[x], b[x]) = (m + d, m - d);
     }
 }
