@@ -13,6 +13,8 @@ pub mod reference;
 #[cfg(feature = "scene")]
 pub mod scene;
 pub mod sphere;
+#[cfg(feature = "proptest")]
+pub mod strategies;
 
 pub use error::{Error, Result};
 pub use nalgebra;

@@ -17,9 +17,11 @@
 
 mod coupling;
 mod index;
+mod layout;
 mod n_fold;
 mod product;
 mod pyramid;
+mod select;
 mod sparse;
 mod transform_1d;
 mod transform_2d;
@@ -30,9 +32,11 @@ mod wavelet_tree;
 
 pub use coupling::coupling;
 pub use index::{Index1d, Index2d, Kind};
+pub use layout::{PyWaveletsLayout, from_pywavelets_1d, from_pywavelets_2d, to_pywavelets_1d, to_pywavelets_2d};
 pub use n_fold::NFoldProduct;
 pub use product::{Product1d, Product2d, multiply_sparse_1d, multiply_sparse_2d};
 pub use pyramid::Pyramid;
+pub use select::{ChannelRule, Keep, ScalingTerms, Selection, SelectionScratch, Weighting, select, transport_weights};
 pub use sparse::SparseVector;
 pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
 pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};

@@ -1,5 +1,6 @@
 //! Mean pyramids.
 
+use approx::{AbsDiffEq, RelativeEq};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::transform_kernels as kernels;
@@ -134,6 +135,30 @@ impl<T: Real> Pyramid<T> {
     pub fn at(&self, level: u32, x: usize, y: usize) -> T {
         assert!(x >> level == 0 && y >> level == 0, "node ({x}, {y}) is outside pyramid level {level}");
         self.level(level)[(y << level) + x]
+    }
+}
+
+/// Mean by mean; pyramids of different sizes are never equal.
+impl<T: Real + AbsDiffEq<Epsilon = T>> AbsDiffEq for Pyramid<T> {
+    type Epsilon = T;
+
+    fn default_epsilon() -> T {
+        T::default_epsilon()
+    }
+
+    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
+        self.values.abs_diff_eq(&other.values, epsilon)
+    }
+}
+
+/// Mean by mean, as [`AbsDiffEq`].
+impl<T: Real + RelativeEq<Epsilon = T>> RelativeEq for Pyramid<T> {
+    fn default_max_relative() -> T {
+        T::default_max_relative()
+    }
+
+    fn relative_eq(&self, other: &Self, epsilon: T, max_relative: T) -> bool {
+        self.values.relative_eq(&other.values, epsilon, max_relative)
     }
 }
 

@@ -60,17 +60,28 @@ fn centre(k: usize, count: usize) -> f64 {
     (k as f64 + 0.5) / count as f64
 }
 
+/// Compensated sum [Neumaier 1974]: right to an ε of the largest term, so that the twin is the better of the two.
+fn sum(terms: impl Iterator<Item = f64>) -> f64 {
+    let (mut sum, mut lost) = (0.0_f64, 0.0);
+    for x in terms {
+        let next = sum + x;
+        lost += if sum.abs() >= x.abs() { (sum - next) + x } else { (x - next) + sum };
+        sum = next;
+    }
+    sum + lost
+}
+
 /// ∫ f b for every function b(i, ·) of `len`, f given by its samples at `points`.
 fn project<P: Copy>(samples: &[f64], points: &[P], b: impl Fn(usize, P) -> f64) -> Vec<f64> {
     assert_eq!(samples.len(), points.len(), "one point a sample");
-    let product = |i| samples.iter().zip(points).map(|(&f, &p)| f * b(i, p)).sum::<f64>();
+    let product = |i| sum(samples.iter().zip(points).map(|(&f, &p)| f * b(i, p)));
     (0..samples.len()).map(|i| product(i) / samples.len() as f64).collect()
 }
 
 /// Σ_i c_i b(i, p) at every point p.
 fn expand<P: Copy>(coefs: &[f64], points: &[P], b: impl Fn(usize, P) -> f64) -> Vec<f64> {
     assert_eq!(coefs.len(), points.len(), "one point a coefficient");
-    points.iter().map(|&p| coefs.iter().enumerate().map(|(i, &c)| c * b(i, p)).sum()).collect()
+    points.iter().map(|&p| sum(coefs.iter().enumerate().map(|(i, &c)| c * b(i, p)))).collect()
 }
 
 fn line(len: usize) -> Vec<f64> {
@@ -125,7 +136,7 @@ pub fn means(level: u32, samples: &[f64]) -> Vec<f64> {
     let node = |k: usize| {
         let pixels =
             (0..cell * cell).map(|p| samples[((k / nodes) * cell + p / cell) * size + (k % nodes) * cell + p % cell]);
-        pixels.sum::<f64>() / (cell * cell) as f64
+        sum(pixels) / (cell * cell) as f64
     };
     (0..nodes * nodes).map(node).collect()
 }

@@ -1,0 +1,321 @@
+//! Which coefficients to keep: non-linear approximation.
+
+use super::{Index2d, Pyramid, SparseVector};
+use crate::{Error, Real, Result};
+
+/// What a term is worth: the key κ_i by which terms are ranked, largest first.
+///
+/// A detail of level l has amplitude 2^l on a support of area 4^{−l}: ∫Ψ² = 1, ∫|Ψ| = 2^{−l}. With f the full and f̃ the
+/// kept function:
+///
+/// | weighting | κ_i | what the choice of the n largest κ does |
+/// |---|---|---|
+/// | `Magnitude` | \|c_i\| | minimises ‖f − f̃‖₂, by Parseval [Ng 2003, unweighted] |
+/// | `Integral` | \|c_i\|·∫\|Ψ_i\| = \|c_i\|·2^{−l} | minimises the bound Σ_dropped κ_i ≥ \|∫(f − f̃) g\| over all \|g\| ≤ 1 |
+/// | `IntegralOver` | \|c_i\|·∫\|Ψ_i\| dμ | the same for integrals against a measure μ, such as solid angle |
+/// | `Area` | \|c_i\|·area = \|c_i\|·4^{−l} | leans further to coarse terms [Ng 2003, area-weighted] |
+/// | `Transport` | \|c_i\|·w_i, w_i = √(Σ_v T_vi²) | minimises Σ_v error_v² where the dropped terms' errors are uncorrelated [Ng 2003, transport-weighted] |
+///
+/// Light that is looked at wants `Magnitude`. Light that is integrated against visibility and reflection wants `Integral`:
+/// a magnitude choice spends its terms on the rim of a small bright source, whose fine details hardly move any integral.
+/// `Transport` is the best where a transport matrix is at hand, and the only one that has seen the scene.
+#[derive(Debug, Clone, Copy, Default)]
+pub enum Weighting<'a, T> {
+    /// |c|.
+    Magnitude,
+    /// |c| times the area of the support, 4^{−l}.
+    Area,
+    /// |c| times ∫|Ψ| = 2^{−l}.
+    #[default]
+    Integral,
+    /// |c| times ∫|Ψ| dμ, the measure given by the mean pyramid of its density (any constant factor does).
+    IntegralOver(&'a Pyramid<T>),
+    /// |c| times a weight of its own: the norm of the transport matrix's column, [`transport_weights`].
+    Transport(&'a [T]),
+}
+
+/// How many terms to keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Keep {
+    /// So many (all, if there are not as many).
+    Terms(usize),
+    /// This part of the vector's length, in [0, 1], rounded up to whole terms.
+    Fraction(f64),
+}
+
+/// Whether scaling functions (the first coefficient of each block) must earn their place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ScalingTerms {
+    /// They compete like any other term.
+    Compete,
+    /// They are kept first, even where they are 0 or outnumber the terms asked for; the mean is then exact.
+    #[default]
+    Always,
+}
+
+/// How the channels of one coefficient make one magnitude |c|: the channels share one set of indices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum ChannelRule {
+    /// √(Σ c²) over the channels: the choice then minimises the summed squared error of all of them.
+    #[default]
+    Norm,
+    /// |0.2126 r + 0.7152 g + 0.0722 b|, linear Rec. 709, three channels: spends nothing on edges between colours of one
+    /// luminance, so colours bleed there.
+    Luminance,
+}
+
+/// A rule for choosing terms.
+///
+/// Without settings: [`Weighting::Integral`], [`ScalingTerms::Always`], [`ChannelRule::Norm`], one block. Of equal keys
+/// the lower index is kept; terms whose key is 0 never are (but see [`ScalingTerms`]): the result is deterministic and may
+/// have fewer terms than asked for.
+///
+/// Cost: linear in the length (a selection, not a sort), plus sorting the kept indices.
+///
+/// # Example
+/// ```
+/// # fn main() -> Result<(), haarmonic::Error> {
+/// use haarmonic::haar::{Keep, Selection, Weighting};
+/// let coefs = [1.0, 0.5, 0.0, 0.0, -3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 3.9];
+/// let by_magnitude = Selection::new(Keep::Terms(2)).with_weighting(Weighting::Magnitude).apply(&coefs)?;
+/// assert_eq!(by_magnitude.indices(), [0, 15]);
+/// let by_integral = Selection::new(Keep::Terms(3)).apply(&coefs)?; // 1.5 = 3·½ and 1.95 = 3.9·½ beat 0.5
+/// assert_eq!(by_integral.indices(), [0, 4, 15]);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Selection<'a, T> {
+    keep: Keep,
+    weighting: Weighting<'a, T>,
+    scaling: ScalingTerms,
+    channels: ChannelRule,
+    block: Option<usize>,
+}
+
+/// Memory that [`Selection::indices`] uses again: nothing is allocated once it has grown.
+#[derive(Debug, Clone, Default)]
+pub struct SelectionScratch {
+    ranked: Vec<(f64, u32)>,
+    indices: Vec<u32>,
+}
+
+impl<'a, T: Real> Selection<'a, T> {
+    /// A rule that keeps this much.
+    pub fn new(keep: Keep) -> Self {
+        let (scaling, channels) = (ScalingTerms::default(), ChannelRule::default());
+        Self { keep, weighting: Weighting::default(), scaling, channels, block: None }
+    }
+
+    /// Ranks by this key.
+    #[must_use]
+    pub fn with_weighting(mut self, weighting: Weighting<'a, T>) -> Self {
+        self.weighting = weighting;
+        self
+    }
+
+    /// Treats scaling functions so.
+    #[must_use]
+    pub fn with_scaling_terms(mut self, scaling: ScalingTerms) -> Self {
+        self.scaling = scaling;
+        self
+    }
+
+    /// Joins channels so.
+    #[must_use]
+    pub fn with_channels(mut self, channels: ChannelRule) -> Self {
+        self.channels = channels;
+        self
+    }
+
+    /// The vector is a row of blocks of `len` coefficients, each a basis of its own (a cube map: six faces), which compete
+    /// with each other for the same terms.
+    #[must_use]
+    pub fn with_blocks_of(mut self, len: usize) -> Self {
+        self.block = Some(len);
+        self
+    }
+
+    /// The kept indices, ascending, of coefficients in one or more channels.
+    ///
+    /// # Errors
+    /// [`Error::Empty`] without channels; [`Error::Length`] if channels differ in length, the length is not a multiple of
+    /// the block, or a weighting's weights do not fit; [`Error::NotFinite`] where a coefficient or weight is NaN or
+    /// infinite; [`Error::OutOfRange`] for a fraction outside [0, 1], a negative weight, a length above `u32::MAX`, an empty block,
+    /// blocks that are no square images (4^k coefficients) under a weighting by area or integral, or
+    /// [`ChannelRule::Luminance`] of other than three channels.
+    pub fn indices<'w>(&self, channels: &[&[T]], work: &'w mut SelectionScratch) -> Result<&'w [u32]> {
+        let len = self.check(channels)?;
+        let block = self.block.unwrap_or(len);
+        let mut terms = self.terms(len)?;
+        work.ranked.clear();
+        for i in 0..len {
+            let magnitude = self.magnitude(channels, i)?;
+            let key = if self.scaling == ScalingTerms::Always && i % block == 0 {
+                f64::INFINITY
+            } else {
+                (magnitude * self.weight(i, block)?).min(f64::MAX)
+            };
+            if key > 0.0 {
+                work.ranked.push((key, i as u32));
+            }
+        }
+        if self.scaling == ScalingTerms::Always && len > 0 {
+            terms = terms.max(len / block);
+        }
+        if terms < work.ranked.len() {
+            // Keys are never NaN; index breaks ties, so this is a total order.
+            work.ranked.select_nth_unstable_by(terms, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+            work.ranked.truncate(terms);
+        }
+        work.indices.clear();
+        work.indices.extend(work.ranked.iter().map(|&(_, i)| i));
+        work.indices.sort_unstable();
+        Ok(&work.indices)
+    }
+
+    /// The kept terms of one vector.
+    ///
+    /// # Errors
+    /// As [`indices`](Self::indices).
+    pub fn apply(&self, coefs: &[T]) -> Result<SparseVector<T>> {
+        let [kept] = self.apply_channels([coefs])?;
+        Ok(kept)
+    }
+
+    /// The kept terms of several channels: the same indices in each.
+    ///
+    /// # Errors
+    /// As [`indices`](Self::indices).
+    pub fn apply_channels<const C: usize>(&self, channels: [&[T]; C]) -> Result<[SparseVector<T>; C]> {
+        let mut work = SelectionScratch::default();
+        let indices = self.indices(&channels, &mut work)?;
+        let mut kept = std::array::from_fn(|_| SparseVector::default());
+        for (kept, channel) in kept.iter_mut().zip(channels) {
+            *kept = SparseVector::gather(channel, indices)?;
+        }
+        Ok(kept)
+    }
+
+    fn check(&self, channels: &[&[T]]) -> Result<usize> {
+        let Some(first) = channels.first() else { return Err(Error::Empty { what: "list of channels" }) };
+        let len = first.len();
+        if let Some(other) = channels.iter().find(|c| c.len() != len) {
+            return Err(Error::Length { what: "channel", expected: len, got: other.len() });
+        }
+        if u32::try_from(len).is_err() {
+            return Err(Error::OutOfRange { what: "coefficients", got: len as f64, allowed: "at most 2^32 − 1" });
+        }
+        if self.channels == ChannelRule::Luminance && channels.len() != 3 {
+            let got = channels.len() as f64;
+            return Err(Error::OutOfRange { what: "number of channels", got, allowed: "3 (r, g, b) for luminance" });
+        }
+        let block = self.block.unwrap_or(len);
+        if self.block == Some(0) {
+            return Err(Error::OutOfRange { what: "block length", got: 0.0, allowed: "at least 1" });
+        }
+        if block > 0 && len % block != 0 {
+            return Err(Error::Length {
+                what: "coefficients, in whole blocks,",
+                expected: len / block * block,
+                got: len,
+            });
+        }
+        match self.weighting {
+            Weighting::Transport(w) if w.len() != len => {
+                Err(Error::Length { what: "transport weights", expected: len, got: w.len() })
+            }
+            Weighting::IntegralOver(p) if len > 0 && p.size() * p.size() != block => {
+                Err(Error::Length { what: "pixels of the measure", expected: block, got: p.size() * p.size() })
+            }
+            Weighting::Area | Weighting::Integral
+                if len > 0 && !(block.is_power_of_two() && block.trailing_zeros() % 2 == 0) =>
+            {
+                let allowed = "1, 4, 16, … (nonstandard coefficients) to weigh by area or integral";
+                Err(Error::OutOfRange { what: "block length", got: block as f64, allowed })
+            }
+            _ => Ok(len),
+        }
+    }
+
+    fn terms(&self, len: usize) -> Result<usize> {
+        match self.keep {
+            Keep::Terms(n) => Ok(n),
+            // The product's own rounding must not cost a term: 0.07·100 is 7.000000000000001.
+            Keep::Fraction(f) if (0.0..=1.0).contains(&f) => {
+                Ok((f * len as f64 * (1.0 - 2.0 * f64::EPSILON)).ceil() as usize)
+            }
+            Keep::Fraction(got) => Err(Error::OutOfRange { what: "fraction of terms", got, allowed: "in [0, 1]" }),
+        }
+    }
+
+    fn magnitude(&self, channels: &[&[T]], i: usize) -> Result<f64> {
+        let value = |c: usize| channels[c][i].widen();
+        let magnitude = match self.channels {
+            ChannelRule::Norm => channels.iter().fold(0.0, |m: f64, c| m.hypot(c[i].widen())),
+            ChannelRule::Luminance => (0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2)).abs(),
+        };
+        // Infinity passes for NaN in hypot, and a finite sum may overflow: look at the values themselves.
+        match channels.iter().all(|c| c[i].is_finite()) {
+            true => Ok(magnitude.min(f64::MAX)),
+            false => Err(Error::NotFinite { what: "coefficient", index: i }),
+        }
+    }
+
+    fn weight(&self, i: usize, block: usize) -> Result<f64> {
+        let level = |flat| match Index2d::from_flat(flat) {
+            Index2d::Scaling => (0, 0, 0),
+            Index2d::Detail { level, x, y, .. } => (level, x, y),
+        };
+        let power = |level: u32| (1u64 << level) as f64;
+        match self.weighting {
+            Weighting::Magnitude => Ok(1.0),
+            Weighting::Integral => Ok(1.0 / power(level(i % block).0)),
+            Weighting::Area => Ok(1.0 / power(2 * level(i % block).0)),
+            Weighting::IntegralOver(density) => {
+                let (l, x, y) = level(i % block);
+                Ok(check_weight("mean of the measure", i % block, density.at(l, x, y).widen())? / power(l))
+            }
+            Weighting::Transport(weights) => check_weight("transport weight", i, weights[i].widen()),
+        }
+    }
+}
+
+fn check_weight(what: &'static str, index: usize, weight: f64) -> Result<f64> {
+    if !weight.is_finite() {
+        Err(Error::NotFinite { what, index })
+    } else if weight < 0.0 {
+        Err(Error::OutOfRange { what, got: weight, allowed: "at least 0" })
+    } else {
+        Ok(weight)
+    }
+}
+
+/// The kept terms of one vector, ranked by one weighting; scaling functions compete. A convenience for [`Selection`].
+///
+/// # Errors
+/// As [`Selection::indices`].
+pub fn select<T: Real>(coefs: &[T], keep: Keep, weighting: Weighting<'_, T>) -> Result<SparseVector<T>> {
+    Selection::new(keep).with_weighting(weighting).with_scaling_terms(ScalingTerms::Compete).apply(coefs)
+}
+
+/// Weights for [`Weighting::Transport`]: the norms of a transport matrix's columns, from its rows (one a receiver).
+///   w_i = √(Σ_v T_vi²), summed in f64
+///
+/// # Errors
+/// [`Error::Length`] unless every row is `len` long.
+pub fn transport_weights<'a, T: Real>(
+    len: usize,
+    rows: impl IntoIterator<Item = &'a SparseVector<T>>,
+) -> Result<Vec<T>> {
+    let mut squares = vec![0.0; len];
+    for row in rows {
+        if row.len() != len {
+            return Err(Error::Length { what: "transport row", expected: len, got: row.len() });
+        }
+        for (i, v) in row.iter() {
+            squares[i] += v.widen() * v.widen();
+        }
+    }
+    Ok(squares.into_iter().map(|s: f64| T::of(s.sqrt())).collect())
+}
