@@ -178,10 +178,10 @@ fn pieces(c: &mut Criterion) {
 /// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows them all alike.
 fn race<T>(case: &Case<T>, rivals: &mut [&mut dyn FnMut(&Vertex<T>) -> f64]) -> Vec<f64> {
     let mut runs = vec![Vec::new(); rivals.len()];
-    for _ in 0..120 {
+    for _ in 0..80 {
         for (runs, f) in runs.iter_mut().zip(rivals.iter_mut()) {
-            // Once untimed, so that every rival meets the caches as it leaves them itself.
-            for vertex in &case.vertices {
+            // Three times untimed, so that every rival meets the caches as it leaves them itself.
+            for vertex in case.vertices.iter().chain(&case.vertices).chain(&case.vertices) {
                 black_box(f(black_box(vertex)));
             }
             let start = Instant::now();

@@ -156,6 +156,7 @@ impl TripleProduct {
         // Words that are all zero are nearly free, so with an occluded V the texels may win after all. At least the fraction `mean` of
         // the words is not zero: no need to count unless that would leave the texels a chance.
         if let Visibility::Bits(bits) = visibility
+            && words > 4
             && merge > cost.pixels_call + 10 * words
             && merge > cost.pixels_call + (cost.word as f32 * words as f32 * bits.mean()) as u64
             && merge >= cost.pixels_call + 10 * words + cost.word * bits.seen_words()
@@ -266,10 +267,10 @@ impl Cost {
         let c = C as u64;
         match (bits, size_of::<T>() == 4) {
             (true, true) => {
-                Self { merge_call: 1050 + 100 * c, node: 74 + 4 * c, pixels_call: 700 + 450 * c, word: 150 * c }
+                Self { merge_call: 1050 + 100 * c, node: 74 + 4 * c, pixels_call: 500 + 450 * c, word: 150 * c }
             }
             (true, false) => {
-                Self { merge_call: 1050 + 100 * c, node: 74 + 6 * c, pixels_call: 700 + 800 * c, word: 290 * c }
+                Self { merge_call: 1050 + 100 * c, node: 74 + 6 * c, pixels_call: 700 + 800 * c, word: 320 * c }
             }
             (false, true) => {
                 Self { merge_call: 550 + 100 * c, node: 27 + 6 * c, pixels_call: 250 + 1000 * c, word: 260 * c }
