@@ -4,9 +4,9 @@
 //! in turn, as a renderer does from vertex to vertex. Times are per integral. `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
 
 use std::hint::black_box;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haarmonic::Real;
 use haarmonic::haar::{
     BitPyramid, Decomposition, Factor, MaskedSum, MeanTree, NFoldProduct, NgTree, NgTripleProduct, Quadtree, Route,
@@ -31,6 +31,7 @@ struct Vertex<T> {
     brdf_tree: NgTree<T>,
     brdf_quadtree: Quadtree<T>,
     rows: Vec<u64>,
+    pixels: Vec<f64>,
     bits: BitPyramid,
     means: MeanTree<T>,
     visibility: Vec<T>,
@@ -111,25 +112,141 @@ fn vertex<T: Real>(side: usize, k: usize, seed: usize) -> Vertex<T> {
         brdf_quadtree: Quadtree::new(&brdf).expect("a square"),
         bits: BitPyramid::from_rows(side, &rows).expect("a square"),
         rows,
+        pixels,
         means: MeanTree::from_coefficients(side, [&dense]).expect("a square"),
         visibility_quadtree: Quadtree::new(&visibility).expect("a square"),
         visibility: dense,
     }
 }
 
-/// Nanoseconds an integral, the median of some runs over all vertices.
-fn time<T>(case: &Case<T>, mut f: impl FnMut(&Vertex<T>) -> f64) -> f64 {
-    let mut runs: Vec<f64> = (0..25)
-        .map(|_| {
-            let start = Instant::now();
-            for _ in 0..8 {
-                for vertex in &case.vertices {
-                    black_box(f(black_box(vertex)));
-                }
-            }
-            start.elapsed().as_secs_f64() * 1e9 / (8 * case.vertices.len()) as f64
-        })
-        .collect();
-    runs.sort_by(f64::total_cmp);
-    runs[runs.len() / 2]
+/// Times `f` over all vertices in turn; criterion's figure is for all of them.
+fn bench_all<T>(c: &mut Criterion, name: &str, id: String, case: &Case<T>, mut f: impl FnMut(&Vertex<T>) -> f64) {
+    c.benchmark_group(name)
+        .throughput(Throughput::Elements(SCENES as u64))
+        .bench_function(BenchmarkId::from_parameter(id), |b| {
+            b.iter(|| case.vertices.iter().map(|v| f(black_box(v))).sum::<f64>())
+        });
 }
+
+fn routes<T: Real>(c: &mut Criterion, side: usize, k: usize, scalar: &str) {
+    let case = case::<T>(side, k, k);
+    let group = format!("triple product {scalar} side {side} k {k}");
+    let by =
+        |route, v: Visibility<'_, T>, vertex: &Vertex<T>| case.plan.integral_by(route, &case.light, &vertex.brdf, v)[0];
+    let mut run = |id: &str, f: &mut dyn FnMut(&Vertex<T>) -> f64| bench_all(c, &group, id.into(), &case, f);
+    run("flat merge, means", &mut |v| by(Route::FlatMerge, Visibility::from(&v.means), v));
+    run("flat merge, bits", &mut |v| by(Route::FlatMerge, Visibility::from(&v.bits), v));
+    run("pixels, bits", &mut |v| by(Route::Pixels, Visibility::from(&v.bits), v));
+    run("pixels, means", &mut |v| by(Route::Pixels, Visibility::from(&v.means), v));
+    run("engine, bits", &mut |v| case.plan.integral(&case.light, &v.brdf, Visibility::from(&v.bits))[0]);
+    run("engine, means", &mut |v| case.plan.integral(&case.light, &v.brdf, Visibility::from(&v.means))[0]);
+    run("engine, RGB, bits", &mut |v| case.plan.integral(&case.rgb, &v.brdf, Visibility::from(&v.bits))[2]);
+    run("Ng recursion", &mut |v| NgTripleProduct::integral(&case.light_tree, &v.brdf_tree, &v.visibility));
+    let mut n_fold = NFoldProduct::new();
+    run("N-fold", &mut |v| n_fold.integral(&[&case.light_quadtree, &v.brdf_quadtree, &v.visibility_quadtree]));
+}
+
+fn pieces(c: &mut Criterion) {
+    let side = 64;
+    let case = case::<f32>(side, 41, 41);
+    let masked = MaskedSum::new();
+    let [light] = case.light.morton_pixels();
+    let mut run = |id: &str, f: &mut dyn FnMut(&Vertex<f32>) -> f64| {
+        bench_all(c, "triple product pieces f32 side 64", id.into(), &case, f);
+    };
+    run("sum of L·B formed, masked", &mut |v| masked.sum(light, v.bits.words()));
+    run("dot of L·V formed with B", &mut |v| masked.dot_unmasked(light, v.brdf.morton_pixels()[0]));
+    let mut words = vec![0; BitPyramid::words_len(side)];
+    run("row-major bits to Morton", &mut |v| {
+        rows_to_morton(side, &v.rows, &mut words);
+        words[3] as f64
+    });
+    let mut upper = vec![[0.0; 4]; BitPyramid::upper_len(side)];
+    run("means of 8x8 blocks and above", &mut |v| {
+        upper_means(side, v.bits.words(), &mut upper);
+        upper[0][3].into()
+    });
+    let mut means = MeanTree::<f32>::zeros(side).expect("a power of two");
+    run("decode a sparse BRDF", &mut |v| {
+        means.fill(v.brdf.nodes());
+        means.mean(0, 0).into()
+    });
+    let pixels: Vec<f64> = image(side, |x, y| sky(x, y, 1.0));
+    run("naive twin", &mut |v| naive::product_integral(&[&pixels, &pixels, &v.pixels]));
+}
+
+/// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows them all alike.
+fn race<T>(case: &Case<T>, rivals: &mut [&mut dyn FnMut(&Vertex<T>) -> f64]) -> Vec<f64> {
+    let mut runs = vec![Vec::new(); rivals.len()];
+    for _ in 0..80 {
+        for (runs, f) in runs.iter_mut().zip(rivals.iter_mut()) {
+            // Three times untimed, so that every rival meets the caches as it leaves them itself.
+            for vertex in case.vertices.iter().chain(&case.vertices).chain(&case.vertices) {
+                black_box(f(black_box(vertex)));
+            }
+            let start = Instant::now();
+            for vertex in &case.vertices {
+                black_box(f(black_box(vertex)));
+            }
+            runs.push(start.elapsed().as_secs_f64() * 1e9 / case.vertices.len() as f64);
+        }
+    }
+    runs.iter_mut().for_each(|r| r.sort_by(f64::total_cmp));
+    runs.iter().map(|r| r[r.len() / 4]).collect()
+}
+
+/// Engine against the better route, for k = 4 … 4096 at side 16 … 128.
+fn sweep<T: Real>(scalar: &str) {
+    let mut worst = 0.0f64;
+    for side in [16, 32, 64, 128] {
+        let mut k = 4;
+        while k <= (side * side).min(4096) {
+            let case = case::<T>(side, k, k);
+            for bits in [true, false] {
+                let by = |route, x: &Vertex<T>| {
+                    let v = if bits { Visibility::from(&x.bits) } else { Visibility::from(&x.means) };
+                    case.plan.integral_by(route, &case.light, &x.brdf, v)[0]
+                };
+                let times = race(
+                    &case,
+                    &mut [&mut |x| by(Route::FlatMerge, x), &mut |x| by(Route::Pixels, x), &mut |x| {
+                        let v = if bits { Visibility::from(&x.bits) } else { Visibility::from(&x.means) };
+                        case.plan.integral(&case.light, &x.brdf, v)[0]
+                    }],
+                );
+                let loss = times[2] / times[0].min(times[1]);
+                worst = worst.max(loss);
+                let form = if bits { "bits" } else { "means" };
+                eprintln!(
+                    "{scalar} side {side:3} k {k:4} {form:5}: merge {:6.0} pixels {:6.0} engine {:6.0} ns, engine/better {loss:.2}",
+                    times[0], times[1], times[2]
+                );
+            }
+            k *= 2;
+        }
+    }
+    eprintln!("{scalar}: worst engine/better {worst:.2}");
+}
+
+fn triple_product(c: &mut Criterion) {
+    if std::env::var_os("TRIPLE_PRODUCT_SWEEP").is_some() {
+        sweep::<f32>("f32");
+        sweep::<f64>("f64");
+        return;
+    }
+    for (side, k) in [(64, 41), (64, 123), (64, 410), (64, 1024), (16, 16), (32, 41), (128, 164)] {
+        routes::<f32>(c, side, k, "f32");
+    }
+    routes::<f64>(c, 64, 41, "f64");
+    pieces(c);
+}
+
+criterion_group! {
+    name = benches;
+    config = Criterion::default()
+        .sample_size(20)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(600));
+    targets = triple_product
+}
+criterion_main!(benches);

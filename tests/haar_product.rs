@@ -3,9 +3,10 @@
 
 use haarmonic::Real;
 use haarmonic::haar::{
-    BinaryTree, BitPyramid, Factor, MeanTree, NFoldProduct, NgTree, NgTripleProduct, Product1d, Product2d, Quadtree,
-    Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d,
-    tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d, tripling_nonzeros_2d,
+    BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, NgTree, NgTripleProduct,
+    Product1d, Product2d, Quadtree, Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility,
+    multiply_sparse_1d, multiply_sparse_2d, rows_to_morton, tripling_1d, tripling_2d, tripling_count_1d,
+    tripling_count_2d, tripling_nonzeros_1d, tripling_nonzeros_2d, upper_means,
 };
 use haarmonic::reference::haar as naive;
 use proptest::prelude::*;
@@ -324,6 +325,79 @@ proptest! {
     }
 
     #[test]
+    fn masked_sums_agree_with_the_naive_sum(
+        (x, y, words) in prop_oneof![0..130usize, Just(1024), Just(4096), 0..5000usize].prop_flat_map(|len| {
+            let texels = prop::collection::vec(-1.0..1.0f64, len);
+            let word = prop_oneof![Just(0), Just(!0u64), any::<u64>()];
+            (texels.clone(), texels, prop::collection::vec(word, len.div_ceil(64)))
+        })
+    ) {
+        let masked = MaskedSum::new();
+        let products: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x * y).collect();
+        let all = vec![!0; words.len()];
+        for (terms, words, wide, narrowed) in [
+            (&x, &words, masked.sum(&x, &words), masked.sum(&narrow::<f32>(&x), &words)),
+            (&products, &words, masked.dot(&x, &y, &words), masked.dot(&narrow::<f32>(&x), &narrow(&y), &words)),
+            (&products, &all, masked.dot_unmasked(&x, &y), masked.dot_unmasked(&narrow::<f32>(&x), &narrow(&y))),
+        ] {
+            let (want, scale) = (naive::masked_sum(terms, words), naive::masked_sum(&abs(terms), words));
+            assert_close(wide, want, 1e-14 * scale, "f64");
+            // Narrowing x and y costs up to 2^-23 relative a term; the sums themselves less.
+            assert_close(narrowed, want, 3e-7 * scale, "f32");
+        }
+        let squares: Vec<f64> = products.iter().zip(&y).map(|(p, y)| p * y).collect();
+        let scale = naive::masked_sum(&abs(&squares), &all);
+        assert_close(masked.dot_three(&x, &y, &y), naive::masked_sum(&squares, &all), 1e-14 * scale, "three");
+        let [first, second] = masked.dots([&x, &y], &y, &words);
+        assert_close(first, masked.dot(&x, &y, &words), 0.0, "first channel");
+        assert_close(second, masked.dot(&y, &y, &words), 0.0, "second channel");
+        let mut kept = vec![f64::NAN; x.len()];
+        masked.mask(&x, &words, &mut kept);
+        for (i, kept) in kept.into_iter().enumerate() {
+            prop_assert_eq!(kept, if words[i / 64] >> (i % 64) & 1 == 1 { x[i] } else { 0.0 });
+        }
+    }
+
+    #[test]
+    fn pyramids_hold_the_means_of_their_pixels(
+        (side, pixels) in (0..=5u32).prop_flat_map(|log| {
+            let side = 1usize << log;
+            let black_or_white = prop::collection::vec(prop_oneof![Just(0.0), Just(1.0f64)], side * side);
+            (Just(side), black_or_white)
+        })
+    ) {
+        let coefficients = naive::forward_nonstandard(&pixels);
+        let trees = [
+            MeanTree::from_pixels(side, [&pixels[..]]).unwrap(),
+            MeanTree::from_coefficients(side, [&coefficients[..]]).unwrap(),
+            MeanTree::from_sparse([&sparse::<f64>(&coefficients)]).unwrap(),
+        ];
+        let bits = BitPyramid::from_rows(side, &rows(&pixels)).unwrap();
+        prop_assert_eq!(&BitPyramid::from_morton(side, bits.words()).unwrap(), &bits);
+        let view = bits.view();
+        let mut first = 0;
+        for level in 0..=side.ilog2() {
+            let across = 1usize << level;
+            let means = naive::means(level, &pixels);
+            for (i, want) in means.iter().enumerate() {
+                let (x, y) = (i % across, i / across);
+                for tree in &trees {
+                    assert_close(tree.mean_at(level, x, y, 0), *want, 1e-14, "mean");
+                }
+                // The parent's record, found by the documented order of nodes.
+                let morton = (0..level).fold(0, |m, b| m | (x >> b & 1) << (2 * b) | (y >> b & 1) << (2 * b + 1));
+                let node = first + morton;
+                let got = match node {
+                    0 => f64::from(view.mean()),
+                    _ => view.child_means::<f64>((node - 1) / 4)[(node - 1) % 4],
+                };
+                prop_assert_eq!(got, *want, "level {} at ({}, {})", level, x, y);
+            }
+            first += across * across;
+        }
+    }
+
+    #[test]
     fn products_1d_agree_with_samples(
         (f, g) in (0..=6u32).prop_flat_map(|log| (coefficients(1 << log), coefficients(1 << log)))
     ) {
@@ -496,4 +570,47 @@ fn bad_shapes_are_refused() {
     assert!(BitPyramid::from_rows(8, &[0, 0]).is_err() && BitPyramid::from_morton(16, &[0]).is_err());
     assert!(MeanTree::from_pixels(2, [&[1.0f32][..]]).is_err());
     assert!(MeanTree::from_coefficients(2, [&[1.0f32][..]]).is_err());
+}
+
+#[test]
+fn the_engine_counts_and_does_not_time() {
+    let side = 64;
+    let hot = |n: usize| (0..side * side).map(|i| f64::from(u8::from(i < n))).collect::<Vec<_>>();
+    let open = vec![!0u64; 64];
+    let mut corner = vec![0u64; 64];
+    corner[0] = 0xff;
+    let plan = TripleProduct::new(side).unwrap();
+    let route = |n: usize, rows: &[u64]| {
+        let factor = Factor::new([&sparse::<f32>(&hot(n))]).unwrap();
+        let bits = BitPyramid::from_rows(side, rows).unwrap();
+        plan.route(&factor, &factor, Visibility::from(&bits))
+    };
+    assert_eq!(route(4, &open), Route::FlatMerge);
+    assert_eq!(route(4096, &open), Route::Pixels);
+    // The same factors: few words are left to visit in the corner.
+    assert_eq!(route(64, &open), Route::FlatMerge);
+    assert_eq!(route(64, &corner), Route::Pixels);
+}
+
+#[test]
+fn a_borrowed_pyramid_is_the_owned_one() {
+    let rows: Vec<u64> = (0..16u64).map(|i| i.wrapping_mul(0x9e37_79b9_7f4a_7c15)).collect();
+    let bits = BitPyramid::from_rows(32, &rows).unwrap();
+    let (mut words, mut upper) = (vec![0; 16], vec![[0.0; 4]; BitPyramid::upper_len(32)]);
+    rows_to_morton(32, &rows, &mut words);
+    upper_means(32, &words, &mut upper);
+    let view = BitPyramidRef::new(32, &words, &upper);
+    assert_eq!((view.words(), view.upper()), (bits.words(), bits.upper()));
+    let ones: u32 = rows.iter().map(|w| w.count_ones()).sum();
+    assert_eq!(view.mean(), ones as f32 / 1024.0);
+}
+
+#[test]
+fn nan_reaches_the_result() {
+    let mut bad = vec![0.5; 64];
+    bad[20] = f64::NAN;
+    let good = vec![0.25; 64];
+    for (route, got) in every_route::<f64>(&bad, &good, &good) {
+        assert!(got.is_nan(), "{route}");
+    }
 }

@@ -153,7 +153,7 @@ fn level_start(level: u32) -> usize {
 
 /// Nodes of the four children of (x, y).
 fn children(level: u32, x: usize, y: usize) -> [usize; 4] {
-    let first = level_start(level + 1) + (2 * y << (level + 1)) + 2 * x;
+    let first = level_start(level + 1) + ((2 * y) << (level + 1)) + 2 * x;
     [first, first + 1, first + (2 << level), first + (2 << level) + 1]
 }
 

@@ -173,6 +173,13 @@ impl<'a> BitPyramidRef<'a> {
         self.upper[0][3]
     }
 
+    /// How many words are not all zero, from the table (words of 64 texels are its last level).
+    #[inline]
+    pub(super) fn seen_words(&self) -> u64 {
+        let flat = self.upper.as_flattened();
+        flat[flat.len() - self.words.len()..].iter().map(|&mean| u32::from(mean > 0.0)).sum::<u32>().into()
+    }
+
     /// The means of the four children of node `n`, numbered as in [`MeanTree`](super::MeanTree).
     ///
     /// Exact. Cost: a few instructions, no loop.

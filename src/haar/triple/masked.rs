@@ -9,15 +9,17 @@ use crate::error::{check_length, length_mismatch};
 const BLOCK: usize = 16;
 /// A word that keeps all its texels.
 const FULL: u64 = !0;
-/// Independent partial sums.
-const LANES: usize = 32;
+/// Independent partial sums under a mask: two AVX registers of f32. More of them spoil the expansion of bits to lanes.
+const LANES: usize = 16;
+/// Independent partial sums without one: four registers hide the latency of the additions.
+const WIDE: usize = 32;
 
 /// Dot products under a 1-bit mask, vectorised for the machine it runs on.
 ///
 /// Texel i is kept if bit i mod 64 of word i / 64 is set. Any order of texels will do as long as texels and bits share it.
 /// Spare bits of the last word are ignored. All-zero words are skipped, all-one words take a path without a mask.
-/// Accuracy: f32 texels are summed in 32 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ |terms| within
-/// 32 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
+/// Accuracy: f32 texels are summed in 16 or 32 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ |terms| within
+/// 64 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskedSum {
     arch: Arch,
@@ -122,10 +124,10 @@ struct Select<'a, T> {
 }
 
 /// Partial sums of a block. Only ever indexed by loop counters, so that they stay in registers.
-type Lanes<T> = [T; LANES];
+type Lanes<T, const N: usize = LANES> = [T; N];
 
 #[inline(always)]
-fn fold<T: Real>(lanes: Lanes<T>) -> f64 {
+fn fold<T: Real, const N: usize>(lanes: Lanes<T, N>) -> f64 {
     let mut total = 0.0;
     for lane in lanes {
         total += lane.widen();
@@ -164,10 +166,10 @@ fn add_kept_products<T: Real>(lanes: &mut Lanes<T>, x: &[T; 64], y: &[T; 64], wo
 
 /// lanes += x · y, for 64 texels.
 #[inline(always)]
-fn add_products<T: Real>(lanes: &mut Lanes<T>, x: &[T; 64], y: &[T; 64]) {
-    for group in 0..64 / LANES {
-        for lane in 0..LANES {
-            let i = LANES * group + lane;
+fn add_products<T: Real, const N: usize>(lanes: &mut Lanes<T, N>, x: &[T; 64], y: &[T; 64]) {
+    for group in 0..64 / N {
+        for lane in 0..N {
+            let i = N * group + lane;
             lanes[lane] += x[i] * y[i];
         }
     }
@@ -236,32 +238,16 @@ impl<T: Real, const C: usize> NullaryFnOnce for Several<'_, T, C> {
         let Self { x, y, words } = self;
         let (whole, tail) = y.as_chunks::<64>();
         let mut total = [0.0; C];
-        // More than one channel: select once into a buffer, then plain products.
-        let mut kept = [[T::zero(); 64]; BLOCK];
         for (block, (y, words)) in whole.chunks(BLOCK).zip(words.chunks(BLOCK)).enumerate() {
-            if C > 1 {
-                for ((kept, y), &word) in kept.iter_mut().zip(y).zip(words) {
-                    if word != 0 {
-                        select(kept, y, word);
-                    }
-                }
-            }
+            // Channel by channel: expanding the mask again is cheaper than storing the kept y between channels.
             for c in 0..C {
                 let x = &x[c].as_chunks::<64>().0[BLOCK * block..][..y.len()];
                 let mut lanes = [T::zero(); LANES];
-                if C > 1 {
-                    for ((x, kept), &word) in x.iter().zip(&kept).zip(words) {
-                        if word != 0 {
-                            add_products(&mut lanes, x, kept);
-                        }
-                    }
-                } else {
-                    for ((x, y), &word) in x.iter().zip(y).zip(words) {
-                        match word {
-                            0 => {}
-                            FULL => add_products(&mut lanes, x, y),
-                            _ => add_kept_products(&mut lanes, x, y, word),
-                        }
+                for ((x, y), &word) in x.iter().zip(y).zip(words) {
+                    match word {
+                        0 => {}
+                        FULL => add_products(&mut lanes, x, y),
+                        _ => add_kept_products(&mut lanes, x, y, word),
                     }
                 }
                 total[c] += fold(lanes);
@@ -287,7 +273,7 @@ impl<T: Real> NullaryFnOnce for Unmasked<'_, T> {
         let Some(z) = z else {
             let mut total = rest(x.len(), FULL, |i| x[i] * y[i]);
             for (xs, ys) in xs.chunks(BLOCK).zip(ys.chunks(BLOCK)) {
-                let mut lanes = [T::zero(); LANES];
+                let mut lanes = [T::zero(); WIDE];
                 for (x, y) in xs.iter().zip(ys) {
                     add_products(&mut lanes, x, y);
                 }
@@ -298,11 +284,11 @@ impl<T: Real> NullaryFnOnce for Unmasked<'_, T> {
         let (zs, z) = z.as_chunks::<64>();
         let mut total = rest(x.len(), FULL, |i| x[i] * y[i] * z[i]);
         for ((xs, ys), zs) in xs.chunks(BLOCK).zip(ys.chunks(BLOCK)).zip(zs.chunks(BLOCK)) {
-            let mut lanes = [T::zero(); LANES];
+            let mut lanes = [T::zero(); WIDE];
             for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
-                for group in 0..64 / LANES {
-                    for lane in 0..LANES {
-                        let i = LANES * group + lane;
+                for group in 0..64 / WIDE {
+                    for lane in 0..WIDE {
+                        let i = WIDE * group + lane;
                         lanes[lane] += x[i] * y[i] * z[i];
                     }
                 }

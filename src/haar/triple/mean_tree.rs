@@ -95,8 +95,8 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
         for level in 0..self.levels {
             let start = first_node(level);
             for n in start..first_node(level + 1) {
-                let parent = self.blocks[(n + 3) / 4];
-                self.blocks[n + 1] = parent.map(|four| [four[(n + 3) % 4]; 4]);
+                let (record, place) = place(n);
+                self.blocks[n + 1] = self.blocks[record].map(|four| [four[place]; 4]);
             }
             let scale = T::of(f64::from(4u32).powi(level as i32 + 1));
             for (&n, weighted) in nodes.level(level) {
@@ -120,7 +120,8 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
 
     #[inline]
     fn set(&mut self, n: usize, channel: usize, value: T) {
-        self.blocks[(n + 3) / 4][channel][(n + 3) % 4] = value;
+        let (record, place) = place(n);
+        self.blocks[record][channel][place] = value;
     }
 
     /// The mean of a channel over node `n`.
@@ -129,7 +130,8 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     /// If there is no such node or channel.
     #[inline]
     pub fn mean(&self, n: usize, channel: usize) -> T {
-        self.blocks[(n + 3) / 4][channel][(n + 3) % 4]
+        let (record, place) = place(n);
+        self.blocks[record][channel][place]
     }
 
     /// The mean over the square (x, y) of a level; level 0 is the whole, level log₂ side the texels.
@@ -184,4 +186,10 @@ impl<T: Real> MeanTree<T> {
 #[inline]
 pub(crate) const fn first_node(level: u32) -> usize {
     ((1 << (2 * level)) - 1) / 3
+}
+
+/// The record of a node's mean and its place there: number n + 3 in the flat order.
+#[inline]
+const fn place(n: usize) -> (usize, usize) {
+    ((n + 3) >> 2, (n + 3) & 3)
 }
