@@ -95,12 +95,12 @@ fn frame(seed: f32) -> Frame {
 }
 
 fn angles() -> impl Strategy<Value = Angles> {
-    let theta = prop_oneof![3 => 0.0..1.56_f64, 1 => 0.0..1e-3, 1 => 1.5..1.5707];
-    let theta_o = prop_oneof![3 => 0.0..1.56_f64, 1 => 0.0..1e-3, 1 => 1.5..1.5707];
+    let theta = prop_oneof![3 => 0.0..1.56_f64, 1 => 0.0..1e-3, 1 => 1.5..1.569];
+    let theta_o = prop_oneof![3 => 0.0..1.56_f64, 1 => 0.0..1e-3, 1 => 1.5..1.569];
     let offset = prop_oneof![1 => -PI..PI, 1 => -0.05..0.05_f64];
     // Half of the pairs near the mirror direction, where narrow lobes live.
     (theta, 0.0..2.0 * PI, theta_o, offset, any::<bool>(), -0.02..0.02_f64).prop_map(|(ti, pi, to, off, near, lean)| {
-        let (theta_o, phi_o) = if near { ((ti + lean).clamp(0.0, 1.57), pi + PI + off * 0.1) } else { (to, pi + off) };
+        let (theta_o, phi_o) = if near { ((ti + lean).clamp(0.0, 1.569), pi + PI + off * 0.1) } else { (to, pi + off) };
         Angles { theta_i: ti, phi_i: pi, theta_o, phi_o }
     })
 }
@@ -213,23 +213,6 @@ fn kernel_error(brdf: &dyn Brdf, frame: &Frame, wo: &Vector3<f64>, table: &Direc
     if peak > 0.0 { worst / peak } else { worst }
 }
 
-#[test]
-#[ignore = "prints"]
-fn print_kernel_errors() {
-    for case in CASES.iter() {
-        let mut worst = 0.0_f64;
-        for side in [16, 33, 64] {
-            let table = DirectionTable::new(CubeGrid::new(side).unwrap());
-            for s in 0..20 {
-                let f = frame(s as f32 * 0.37 - 3.0);
-                let wo = f.to_world(&direction(s as f64 * 0.0785, s as f64)).normalize();
-                worst = worst.max(kernel_error(&*case.brdf, &f, &wo, &table));
-            }
-        }
-        println!("{:24} {worst:.2e}  / sharpness {:.2e}", case.name, worst / case.sharpness);
-    }
-}
-
 /// Albedo ≤ its bound at angles from normal to grazing. The quadrature's error is measured by doubling: see `slack`.
 #[test]
 fn directional_albedo_stays_below_its_bound() {
@@ -240,9 +223,6 @@ fn directional_albedo_stays_below_its_bound() {
             let albedo = twin::directional_albedo(&f, theta, case.lobe, 96);
             let coarse = twin::directional_albedo(&f, theta, case.lobe, 48);
             let slack = (albedo - coarse).abs() + 1e-9;
-            if std::env::var_os("PRINT_ALBEDO").is_some() {
-                println!("{:24} {degrees:5} {albedo:.6} ± {slack:.1e}", case.name);
-            }
             assert!(slack < 4e-3, "{} at {degrees}°: quadrature {albedo} and {coarse}", case.name);
             assert!(albedo > 0.0 && albedo <= case.albedo + slack, "{} at {degrees}°: {albedo}", case.name);
         }
@@ -485,7 +465,7 @@ fn merl_reads_what_was_written() {
     let (mut coarse, mut fine) = (0.0_f64, 0.0_f64);
     for i in 0..3000 {
         let r = |k: u64| ((i * 7919 + k * 104_729) as f64 * 0.618_033_988_75).fract();
-        let a = Angles { theta_i: 1.2 * r(1), phi_i: 6.28 * r(2), theta_o: 1.2 * r(3), phi_o: 6.28 * r(4) };
+        let a = Angles { theta_i: 1.2 * r(1), phi_i: 2.0 * PI * r(2), theta_o: 1.2 * r(3), phi_o: 2.0 * PI * r(4) };
         let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
         // The cell that the database's reader picks, straight from the bytes; either neighbour where rounding decides.
         let at = 12 + 8 * twin::merl_index(a);
