@@ -337,3 +337,20 @@ fn progress_reaches_the_end_and_cancellation_stops() {
         assert!(watch.largest.load(Ordering::Relaxed) < 300);
     }
 }
+
+#[cfg(feature = "rayon")]
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let mesh = soup(100);
+    let materials = materials(300);
+    let view = View::eye(Vector3::new(3.0, 4.0, 5.0)).unwrap();
+    let (light, visibility) = (light(7, 1), bits(7, 300));
+    let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
+    let of = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap())
+    };
+    let one = of(1);
+    assert_eq!(of(2), one);
+    assert_eq!(of(5), one);
+}

@@ -5,6 +5,9 @@ use nalgebra::Vector3;
 use crate::numeric::GaussLegendre;
 use crate::sphere::{CubeMap, Face};
 
+/// f(wi, wo) in local coordinates, RGB.
+pub type Reflectance<'a> = dyn Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64> + 'a;
+
 /// Σ over all texels of light × visibility × f × max(cos θ_i, 0) × solid angle, for one vertex.
 ///
 /// Directions and solid angles are recomputed here from the cube's geometry; each solid angle by a 24 × 24 Gauss–Legendre
@@ -14,7 +17,7 @@ use crate::sphere::{CubeMap, Face};
 pub fn radiance(
     light: &CubeMap<Vector3<f32>>,
     visibility: &dyn Fn(usize) -> f64,
-    brdf: &dyn Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64>,
+    brdf: &Reflectance,
     frame: [Vector3<f64>; 3],
     wo: &Vector3<f64>,
 ) -> Vector3<f64> {

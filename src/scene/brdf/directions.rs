@@ -58,6 +58,16 @@ impl DirectionTable {
         &self.planes[2]
     }
 
+    /// x, y and z of `length` directions from `first` on.
+    #[inline(always)]
+    pub(super) fn slices(&self, first: usize, length: usize) -> [&[f32]; 3] {
+        [
+            &self.planes[0][first..first + length],
+            &self.planes[1][first..first + length],
+            &self.planes[2][first..first + length],
+        ]
+    }
+
     /// The solid angles of one face's texels in steradians; all faces are alike.
     #[inline]
     pub fn face_solid_angles(&self) -> &[f32] {

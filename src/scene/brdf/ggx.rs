@@ -22,7 +22,8 @@ use crate::scene::Frame;
 /// Reciprocal. Single scattering: the directional albedo is below 1, and the rougher the surface the further below.
 /// An F₀ of three equal channels has a colour, white; another one has none, since F goes to white at grazing angles.
 ///
-/// Accuracy of `add_cos`: |error| ≤ 3e-6 (1 + 1/α) of the lobe's peak, against `eval` (measured for α ≥ 0.001).
+/// Accuracy of `add_cos`: |error| ≤ (7e-7 + 1e-8/cos θ_o)(1 + 1/α) of the lobe's peak, against `eval` (measured for
+/// α ≥ 0.01).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CookTorrance {
     f0: Vector3<f64>,

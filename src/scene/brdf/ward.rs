@@ -18,7 +18,8 @@ use crate::scene::Frame;
 /// below `albedo` (tested). Reciprocal. f itself, not its integral, grows without bound as wi → −wo along the horizon;
 /// it is held at the largest finite number.
 ///
-/// Accuracy of `add_cos`: |error| ≤ 3e-6 (1 + 1/α) of the lobe's peak, against `eval` (measured for α ≥ 0.001).
+/// Accuracy of `add_cos`: |error| ≤ (7e-7 + 1e-8/cos θ_o)(1 + 1/α) of the lobe's peak, against `eval` (measured for
+/// α ≥ 0.01).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ward {
     albedo: Vector3<f64>,
