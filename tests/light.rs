@@ -35,17 +35,17 @@ fn disc(radius: f64) -> f64 {
 #[test]
 fn the_sun_lights_the_texels_it_covers() {
     // Discs that hold many texels, a few, and much less than one, against dense sampling of the disc's definition.
-    for (radius, side) in [(0.9, 3), (0.3, 8), (0.05, 2), (FRAC_PI_2, 4)] {
+    for (radius, side) in [(0.9, 3), (0.3, 5), (0.05, 2), (FRAC_PI_2, 4)] {
         let direction = Unit::new_normalize(Vector3::new(0.8, 0.75, -0.3));
         let light = EnvironmentLight::from_sky(plain(0.0).with_sun(Some(sun(direction, radius)))).unwrap();
         let map = light.to_cube(cube(side));
-        let samples = 400;
+        let samples = 250;
         let coverage = |d: &Vector3<f64>| if d.angle(&direction) <= radius { 1.0 } else { 0.0 };
         for (i, texel) in map.texels().iter().enumerate() {
             let expected = naive::cube_texel_mean(side, i, samples, coverage);
             let got = f64::from(texel.x) / 1e4;
             // Dense sampling miscounts along the rim by 1/samples of a texel's width or so.
-            assert!((got - expected).abs() < 1.5e-3, "{radius}, texel {i}: {got} against {expected}");
+            assert!((got - expected).abs() < 2e-3, "{radius}, texel {i}: {got} against {expected}");
         }
     }
 }
@@ -198,6 +198,11 @@ proptest! {
         prop_assert!((map.integral() - expected).norm() < bound * expected.norm(), "{:?} {:?}", map.integral(), expected);
         prop_assert!(map.texels().iter().all(|t| t.iter().all(|&c| c >= 0.0)));
         prop_assert_eq!(light.radiance(&(turn * *direction)), sun.radiance);
+        // A lit texel is no farther from the sun's centre than a texel's corner from its middle.
+        let directions = map.grid().directions();
+        let lit = map.texels().iter().zip(&directions).filter(|(t, _)| t.x > 0.0);
+        let nearest = lit.map(|(_, d)| d.dot(&(turn * *direction))).fold(-1.0, f64::max);
+        prop_assert!(nearest.acos() <= 1.5 / side as f64, "{}", nearest.acos());
     }
 
     #[test]

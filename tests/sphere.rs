@@ -236,6 +236,20 @@ fn bilinear_look_up_agrees_with_the_search_of_all_texels() {
 }
 
 #[test]
+fn lat_long_look_up_agrees_with_the_search_of_rows_and_columns() {
+    for (width, height) in [(1, 1), (1, 4), (2, 1), (5, 3), (8, 6)] {
+        let map = LatLongMap::new(lat_long(width, height), (0..width * height).map(rough).collect()).unwrap();
+        for direction in fibonacci_directions(400) {
+            let got = map.bilinear(&direction);
+            let expected = naive::lat_long_bilinear([width, height], map.pixels(), &direction);
+            // acos near a pole knows v to the root of eps, and no direction of the set is nearer than 0.05.
+            let scale = 9f64.exp() * (width + height) as f64;
+            assert!((got - expected).abs() < 16.0 * EPS * scale, "{width}×{height}: {got} against {expected}");
+        }
+    }
+}
+
+#[test]
 fn bilinear_look_up_gives_the_texel_at_its_centre() {
     for side in [1, 2, 7] {
         let map = CubeMap::new(cube(side), (0..6 * side * side).map(|i| i as f64).collect()).unwrap();
@@ -410,13 +424,30 @@ fn enlarging_smoothly_leaves_no_blocks() {
 
 #[test]
 fn oblong_pixels_fall_back_to_exact_areas() {
-    // One pixel of a 1 × 600 map is a band thinner than the gaps between look-ups; its energy must not get lost.
+    // One pixel of a 1 × 600 map is a band thinner than the gaps between look-ups.
     let grid = lat_long(1, 600);
     for row in [0, 100, 299] {
         let map = LatLongMap::new(grid, (0..600).map(|i| if i == row { 1e4f64 } else { 0.0 }).collect()).unwrap();
-        let cube = map.to_cube(cube(16), &askew(), Resampling::Smooth);
-        assert!((cube.integral() / map.integral() - 1.0).abs() < 1e-11, "row {row}");
+        let smooth = map.to_cube(cube(16), &askew(), Resampling::Smooth);
+        assert!(smooth == map.to_cube(cube(16), &askew(), Resampling::Area), "row {row}");
     }
+}
+
+#[test]
+fn light_that_slips_between_look_ups_falls_back_to_exact_areas() {
+    // Beside the pole a pixel of 64 × 32 is 1/200 wide, the look-ups of 20² texels 1/25 apart.
+    let grid = lat_long(64, 32);
+    let mut fallen = 0;
+    for at in 0..64 {
+        let map = LatLongMap::new(grid, (0..2048).map(|i| if i == at { 1e4f64 } else { 0.0 }).collect()).unwrap();
+        let smooth = map.to_cube(cube(20), &askew(), Resampling::Smooth);
+        let area = map.to_cube(cube(20), &askew(), Resampling::Area);
+        assert!((smooth.integral() / map.integral() - 1.0).abs() < 1e-11, "pixel {at}");
+        let brightest = |map: &CubeMap<f64>| map.texels().iter().copied().fold(0.0, f64::max);
+        assert!(brightest(&smooth) <= 2.0 * 1e4, "pixel {at}");
+        fallen += usize::from(smooth == area);
+    }
+    assert!((1..64).contains(&fallen), "{fallen} of 64 pixels");
 }
 
 #[test]

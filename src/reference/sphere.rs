@@ -137,6 +137,33 @@ pub fn cube_bilinear(side: usize, texels: &[f64], direction: &Vector3<f64>) -> f
         + t * ((1.0 - s) * texel(x0, y0 + 1.0) + s * texel(x0 + 1.0, y0 + 1.0))
 }
 
+/// Bilinear look-up in a lat-long map: an extra row at either pole holds the mean of the row beside it, extra columns
+/// repeat the other side, and the two rows and columns about the point are found by search.
+pub fn lat_long_bilinear([width, height]: [usize; 2], pixels: &[f64], direction: &Vector3<f64>) -> f64 {
+    let d = direction.normalize();
+    let (u, v) = (0.5 + d.x.atan2(-d.z) / (2.0 * PI), d.y.acos() / PI);
+    let row = |y: usize| -> Vec<f64> { pixels[y * width..(y + 1) * width].to_vec() };
+    let pole = |y: usize| vec![row(y).iter().sum::<f64>() / width as f64; width];
+    let mut rows = vec![(0.0, pole(0))];
+    rows.extend((0..height).map(|y| ((y as f64 + 0.5) / height as f64, row(y))));
+    rows.push((1.0, pole(height - 1)));
+    let along = |values: &[f64]| {
+        let columns: Vec<(f64, f64)> = (-1..=width as i64)
+            .map(|x| ((x as f64 + 0.5) / width as f64, values[x.rem_euclid(width as i64) as usize]))
+            .collect();
+        between(&columns, u)
+    };
+    let column: Vec<(f64, f64)> = rows.iter().map(|(v, values)| (*v, along(values))).collect();
+    between(&column, v)
+}
+
+/// Linear interpolation at `x` of (place, value) pairs in ascending places.
+fn between(pairs: &[(f64, f64)], x: f64) -> f64 {
+    let above = pairs.iter().position(|(place, _)| *place > x).unwrap_or(pairs.len() - 1);
+    let ((x0, y0), (x1, y1)) = (pairs[above - 1], pairs[above]);
+    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
+}
+
 /// ∫ x^a y^b z^c dω over the unit sphere.
 ///
 ///   4π (a−1)!! (b−1)!! (c−1)!! / (a+b+c+1)!!  if a, b, c are even, else 0      [Folland 2001]

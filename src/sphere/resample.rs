@@ -1,5 +1,7 @@
 //! Maps into maps, energy kept.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
 use nalgebra::{Rotation3, Vector3};
 use num_traits::{One, Zero};
 
@@ -22,9 +24,13 @@ pub enum Resampling {
     /// Every source pixel's energy is handed out completely. Accuracy: energy 1e-12 relative before rounding to the
     /// texel type.
     Area,
-    /// Where the destination has more texels than the source: the mean of 2 × 2 bilinear look-ups a texel, then one
-    /// factor a channel (and sign) for the whole map, which restores the energy. It is [`Area`](Self::Area) otherwise,
-    /// and where that factor would leave [½, 2] (pixels so oblong that they slip between the look-ups).
+    /// Where the destination's texels are smaller than the source's: the mean of 2 × 2 bilinear look-ups a texel, then
+    /// one factor a channel (and sign) for the whole map, which restores the energy. It is [`Area`](Self::Area)
+    /// otherwise, and where that factor would leave [½, 2]: light on pixels so narrow, at the poles, that they slip
+    /// between the look-ups.
+    ///
+    /// Sizes are compared along an edge: π/2 a face for cubes; for lat-long maps 2π/width and π/height, the smaller of
+    /// them as a source, the larger as a destination.
     #[default]
     Smooth,
     /// The bilinear value at each destination centre.
@@ -33,12 +39,17 @@ pub enum Resampling {
 
 /// A map to sample from, in its own frame.
 trait Source<P: Texel>: Sized + Sync {
+    /// The smallest angle between neighbouring samples, away from poles.
+    fn pitch(&self) -> f64;
     fn lookup(&self, direction: &Vector3<f64>) -> P::Wide;
     fn whole(&self) -> P::Wide;
     fn transformed(&self, f: impl Fn(P) -> P) -> Self;
 }
 
 impl<P: Texel> Source<P> for CubeMap<P> {
+    fn pitch(&self) -> f64 {
+        Target::pitch(self.grid())
+    }
     fn lookup(&self, direction: &Vector3<f64>) -> P::Wide {
         self.bilinear(direction)
     }
@@ -51,6 +62,9 @@ impl<P: Texel> Source<P> for CubeMap<P> {
 }
 
 impl<P: Texel> Source<P> for LatLongMap<P> {
+    fn pitch(&self) -> f64 {
+        (TAU / self.grid().width() as f64).min(PI / self.grid().height() as f64)
+    }
     fn lookup(&self, direction: &Vector3<f64>) -> P::Wide {
         self.bilinear(direction)
     }
@@ -65,6 +79,8 @@ impl<P: Texel> Source<P> for LatLongMap<P> {
 /// A grid to fill: the direction of a point (s, t) ∈ [0, 1]² of a cell, and the cell's solid angle.
 trait Target: Copy + Sync {
     fn len(self) -> usize;
+    /// The largest angle between neighbouring cells.
+    fn pitch(self) -> f64;
     fn within(self, index: usize, s: f64, t: f64) -> Vector3<f64>;
     fn weights(self) -> Vec<f64>;
     fn weight_index(self, index: usize) -> usize;
@@ -73,6 +89,9 @@ trait Target: Copy + Sync {
 impl Target for CubeGrid {
     fn len(self) -> usize {
         CubeGrid::len(self)
+    }
+    fn pitch(self) -> f64 {
+        FRAC_PI_2 / self.side() as f64
     }
     fn within(self, index: usize, s: f64, t: f64) -> Vector3<f64> {
         let (face, x, y) = self.texel(index);
@@ -90,6 +109,9 @@ impl Target for CubeGrid {
 impl Target for LatLongGrid {
     fn len(self) -> usize {
         LatLongGrid::len(self)
+    }
+    fn pitch(self) -> f64 {
+        (TAU / self.width() as f64).max(PI / self.height() as f64)
     }
     fn within(self, index: usize, s: f64, t: f64) -> Vector3<f64> {
         let (x, y) = ((index % self.width()) as f64, (index / self.width()) as f64);
@@ -196,7 +218,7 @@ impl<P: Texel> LatLongMap<P> {
         let from = |texels| CubeMap::new(grid, texels).expect("one value a texel");
         match resampling {
             Resampling::Bilinear => from(bilinear(self, grid, &inverse)),
-            Resampling::Smooth if grid.len() > self.grid().len() => {
+            Resampling::Smooth if grid.pitch() < Source::<P>::pitch(self) => {
                 smooth(self, grid, &inverse).map_or_else(|| self.to_cube(grid, rotation, Resampling::Area), from)
             }
             Resampling::Area | Resampling::Smooth => {
@@ -218,7 +240,7 @@ impl<P: Texel> CubeMap<P> {
         let from = |pixels| LatLongMap::new(grid, pixels).expect("one value a pixel");
         match resampling {
             Resampling::Bilinear => from(bilinear(self, grid, &inverse)),
-            Resampling::Smooth if grid.len() > self.grid().len() => {
+            Resampling::Smooth if grid.pitch() < Source::<P>::pitch(self) => {
                 smooth(self, grid, &inverse).map_or_else(|| self.to_lat_long(grid, rotation, Resampling::Area), from)
             }
             Resampling::Area | Resampling::Smooth => {
@@ -241,7 +263,7 @@ impl<P: Texel> CubeMap<P> {
         let from = |texels| CubeMap::new(grid, texels).expect("one value a texel");
         match resampling {
             Resampling::Bilinear => from(bilinear(self, grid, &inverse)),
-            Resampling::Smooth if grid.len() > self.grid().len() => {
+            Resampling::Smooth if grid.pitch() < Source::<P>::pitch(self) => {
                 smooth(self, grid, &inverse).map_or_else(|| self.to_cube(grid, rotation, Resampling::Area), from)
             }
             Resampling::Area | Resampling::Smooth if *rotation == Rotation3::identity() => self.resized(grid),
