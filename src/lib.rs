@@ -1,4 +1,84 @@
-//! The mathematics of light transport.
+//! The mathematics of light transport: Haar wavelets with their coupling and tripling coefficients, functions of direction on
+//! cube maps, and the rendering back ends of the literature that is built on them.
+//!
+//! # Map
+//!
+//! | module | holds | feature |
+//! |---|---|---|
+//! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
+//! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
+//! | [`numeric`] | Gauss–Legendre rules, careful sums | |
+#![cfg_attr(
+    feature = "scene",
+    doc = "| [`scene`] | meshes, procedural scenes, BRDFs, lights, visibility, ground truth, metrics | `scene` |"
+)]
+#![cfg_attr(
+    not(feature = "scene"),
+    doc = "| `scene` | meshes, procedural scenes, BRDFs, lights, visibility, ground truth, metrics | `scene` |"
+)]
+#![cfg_attr(feature = "io", doc = "| [`io`] | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
+#![cfg_attr(not(feature = "io"), doc = "| `io` | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
+#![cfg_attr(
+    feature = "wavelet",
+    doc = "| [`backend::wavelet`] | all-frequency relighting: double product [Ng 2003], triple product [Ng 2004] | `wavelet` |"
+)]
+#![cfg_attr(
+    not(feature = "wavelet"),
+    doc = "| `backend::wavelet` | all-frequency relighting: double product [Ng 2003], triple product [Ng 2004] | `wavelet` |"
+)]
+#![cfg_attr(
+    feature = "reference",
+    doc = "| [`reference`] | naive `f64` twins of the fast paths, for tests | `reference` |"
+)]
+#![cfg_attr(
+    not(feature = "reference"),
+    doc = "| `reference` | naive `f64` twins of the fast paths, for tests | `reference` |"
+)]
+#![cfg_attr(feature = "proptest", doc = "| [`strategies`] | proptest strategies of the crate's inputs | `proptest` |")]
+#![cfg_attr(
+    not(feature = "proptest"),
+    doc = "| `strategies` | proptest strategies of the crate's inputs | `proptest` |"
+)]
+//!
+//! `rayon` (default) runs loops in parallel; `backends` is every back end. Features only add, and none changes a result: the bits
+//! are the same for any number of threads and without them.
+//!
+//! # Which method when
+//!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | three functions on a square, few terms | ∫ L B V | [`haar::TripleProduct`], which picks the cheaper route |
+//! | any number of sparse functions | their product or its integral | [`haar::NFoldProduct`] |
+//! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
+//! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
+//! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet::DoubleRelighter` |
+//! | a static scene | new light, view and materials in each frame | `backend::wavelet::TripleRelighter` |
+//! | a method of your own | the right answer to compare with | `scene::GroundTruth`, `scene::Comparison` |
+//!
+//! # Conventions
+//!
+//! World right-handed, y up; local +z is the normal. Cube map faces +X −X +Y −Y +Z −Z as OpenGL samples them. Haar bases are
+//! orthonormal on the unit interval and square, so coefficient 0 is the mean and results do not change with resolution. `wi` and
+//! `wo` point away from the surface; `brdf` is without the cosine, `brdf_cos` with it; radiance is linear RGB. Visibility 1 =
+//! unoccluded. The repository's docs/conventions.md has them all, docs/errata.md what the papers have wrong, docs/references.md
+//! the sources (and a patent that users may want to know of).
+//!
+//! # Example
+//!
+//! The mean of a product of two images, from their coefficients alone (Parseval):
+//! ```
+//! use haarmonic::haar::{Decomposition, forward_2d};
+//! let a = forward_2d(&[1.0, 2.0, 3.0, 4.0], 2, 2, Decomposition::Nonstandard)?;
+//! let b = forward_2d(&[0.0, 1.0, 0.0, 1.0], 2, 2, Decomposition::Nonstandard)?;
+//! let mean: f64 = a.iter().zip(&b).map(|(a, b)| a * b).sum();
+//! assert_eq!(mean, (2.0 + 4.0) / 4.0);
+//! # Ok::<(), haarmonic::Error>(())
+//! ```
+//!
+//! # Errors and panics
+//!
+//! Constructors and readers return [`Result`]; what runs in a loop panics on a slice of the wrong length, at the caller's line, and
+//! says so under *Panics*. The library never prints, logs or exits.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;

@@ -46,8 +46,8 @@ impl ToneMap {
     pub fn apply(self, linear: &Vector3<f32>) -> [u8; 3] {
         [0, 1, 2].map(|c| {
             let exposed = linear[c] * self.exposure;
-            // max and min also turn NaN into a number.
-            (linear_to_srgb(exposed.max(0.0).min(1.0)) * 255.0 + 0.5) as u8
+            // NaN passes clamp and becomes 0 in the cast.
+            (linear_to_srgb(exposed.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
         })
     }
 }
