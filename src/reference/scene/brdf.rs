@@ -106,7 +106,7 @@ pub fn cook_torrance(f0: f64, alpha_x: f64, alpha_y: f64, a: Angles) -> f64 {
     d * g * f / (4.0 * a.theta_i.cos() * a.theta_o.cos())
 }
 
-/// Ashikhmin and Shirley's equations 4 and 5: diffuse and specular, exponents n_u and n_v.
+/// Ashikhmin and Shirley's diffuse and specular terms, exponents n_u and n_v.
 pub fn ashikhmin_shirley(diffuse: f64, specular: f64, n_u: f64, n_v: f64, a: Angles) -> f64 {
     let h = a.half();
     let exponent = n_u * h.phi_h.cos().powi(2) + n_v * h.phi_h.sin().powi(2);
