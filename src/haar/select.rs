@@ -252,10 +252,15 @@ impl<'a, T: Real> Selection<'a, T> {
     fn magnitude(&self, channels: &[&[T]], i: usize) -> Result<f64> {
         let value = |c: usize| channels[c][i].widen();
         let magnitude = match self.channels {
-            ChannelRule::Norm => channels.iter().fold(0.0, |m: f64, c| m.hypot(c[i].widen())),
+            ChannelRule::Norm => {
+                let square: f64 = channels.iter().map(|c| c[i].widen().powi(2)).sum();
+                // (hypot costs ten times the square root: only where squares leave the range)
+                let plain = (1e-280..1e280).contains(&square) || square == 0.0 && std::mem::size_of::<T>() == 4;
+                if plain { square.sqrt() } else { channels.iter().fold(0.0, |m: f64, c| m.hypot(c[i].widen())) }
+            }
             ChannelRule::Luminance => (0.2126 * value(0) + 0.7152 * value(1) + 0.0722 * value(2)).abs(),
         };
-        // Infinity passes for NaN in hypot, and a finite sum may overflow: look at the values themselves.
+        // A norm hides which of NaN and infinity it met, and a finite one may overflow: look at the values themselves.
         match channels.iter().all(|c| c[i].is_finite()) {
             true => Ok(magnitude.min(f64::MAX)),
             false => Err(Error::NotFinite { what: "coefficient", index: i }),
