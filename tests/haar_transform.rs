@@ -166,7 +166,7 @@ fn golden_values_are_reproduced() {
 /// Error of every path against the definition, over sizes and inputs of the strategies.
 fn against_twin_1d<T: Real>(samples: &[T]) {
     let wide = widen(samples);
-    let ulps = 2.0 * (f64::from(samples.len().ilog2()) + 2.0);
+    let ulps = 0.5 * (f64::from(samples.len().ilog2()) + 2.0);
     let coefs = forward_1d(samples).unwrap();
     assert_within(&coefs, &twin::forward_1d(&wide), ulps, max_abs(&wide));
     // The coefficients as they are rounded are the input of the inverse: its scale is that of the largest partial sum.
@@ -178,7 +178,7 @@ fn against_twin_1d<T: Real>(samples: &[T]) {
 fn against_twin_2d<T: Real>(width: usize, samples: &[T]) {
     let (wide, height) = (widen(samples), samples.len() / width);
     let scale = max_abs(&wide);
-    let ulps = 2.0 * (f64::from(samples.len().ilog2()) + 4.0);
+    let ulps = 0.5 * (f64::from(samples.len().ilog2()) + 4.0);
     let standard = forward_2d(samples, width, height, STANDARD).unwrap();
     assert_within(&standard, &twin::forward_standard(width, &wide), ulps, scale);
     let back = inverse_2d(&standard, width, height, STANDARD).unwrap();
@@ -252,8 +252,8 @@ proptest! {
         prop_assert_eq!(pyramid.level(pyramid.finest()), &x[..]);
         for level in 0..=pyramid.finest() {
             let want = twin::means(level, &x);
-            assert_within(pyramid.level(level), &want, 12.0, max_abs(&x));
-            assert_within(decoded.level(level), &want, 24.0, max_abs(&x));
+            assert_within(pyramid.level(level), &want, 3.0, max_abs(&x));
+            assert_within(decoded.level(level), &want, 6.0, max_abs(&x));
             let side = 1 << level;
             let (cx, cy) = (side / 3, side - 1);
             prop_assert_eq!(pyramid.at(level, cx, cy), pyramid.values()[Pyramid::<f64>::offset(level) + cy * side + cx]);
@@ -338,8 +338,8 @@ fn large_images_agree_with_1d_transforms() {
             want[y * w + column] = c;
         }
     }
-    check_2d::<f64>((w, h), STANDARD, &x, &want, 16.0 * f64::EPSILON);
-    check_2d::<f32>((w, h), STANDARD, &x, &want, 16.0 * f64::from(f32::EPSILON));
+    check_2d::<f64>((w, h), STANDARD, &x, &want, 8.0 * f64::EPSILON);
+    check_2d::<f32>((w, h), STANDARD, &x, &want, 8.0 * f64::from(f32::EPSILON));
 
     // Nonstandard: level by level from plain means, 2^{−l}/4 (a ± b ± c ± d).
     let n = 128;
@@ -356,8 +356,8 @@ fn large_images_agree_with_1d_transforms() {
             }
         }
     }
-    check_2d::<f64>((n, n), NONSTANDARD, &x, &want, 16.0 * f64::EPSILON);
-    check_2d::<f32>((n, n), NONSTANDARD, &x, &want, 16.0 * f64::from(f32::EPSILON));
+    check_2d::<f64>((n, n), NONSTANDARD, &x, &want, 8.0 * f64::EPSILON);
+    check_2d::<f32>((n, n), NONSTANDARD, &x, &want, 8.0 * f64::from(f32::EPSILON));
 }
 
 /// The same function sampled twice as finely has the same coefficients, and no finer ones.
