@@ -2,6 +2,7 @@
 //!
 //! Light: a gradient sky with a sun and two boxes, the same for all; BRDFs and visibilities: 32 lobes and 32 silhouettes, taken
 //! in turn, as a renderer does from vertex to vertex. Times are per integral. `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
+#![expect(clippy::print_stderr, reason = "the sweep is a table for people")]
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -175,8 +176,11 @@ fn pieces(c: &mut Criterion) {
     run("naive twin", &mut |v| naive::product_integral(&[&pixels, &pixels, &v.pixels]));
 }
 
+/// One way to compute a vertex's integral.
+type Rival<'a, T> = &'a mut dyn FnMut(&Vertex<T>) -> f64;
+
 /// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows them all alike.
-fn race<T>(case: &Case<T>, rivals: &mut [&mut dyn FnMut(&Vertex<T>) -> f64]) -> Vec<f64> {
+fn race<T>(case: &Case<T>, rivals: &mut [Rival<'_, T>]) -> Vec<f64> {
     let mut runs = vec![Vec::new(); rivals.len()];
     for _ in 0..80 {
         for (runs, f) in runs.iter_mut().zip(rivals.iter_mut()) {
