@@ -16,7 +16,7 @@ pub(crate) fn fill_with<T: Send, S>(
         use rayon::prelude::*;
         out.par_chunks_mut(CHUNK)
             .enumerate()
-            .for_each_init(|| scratch(), |scratch, (k, chunk)| fill(k * CHUNK, chunk, scratch));
+            .for_each_init(&scratch, |scratch, (k, chunk)| fill(k * CHUNK, chunk, scratch));
     }
     #[cfg(not(feature = "rayon"))]
     {
