@@ -81,7 +81,8 @@ fn maps_of_other_programs_are_ours_turned_about_y() {
     let mitsuba = |d: &Vector3<f64>| (d.x.atan2(-d.z) / (2.0 * PI)).rem_euclid(1.0);
     let three_js = |d: &Vector3<f64>| d.z.atan2(d.x) / (2.0 * PI) + 0.5;
     let ours = |d: &Vector3<f64>| LatLongGrid::locate(d).0;
-    let formulas: [(LatLongConvention, &dyn Fn(&Vector3<f64>) -> f64); 3] = [
+    type Column<'a> = &'a dyn Fn(&Vector3<f64>) -> f64;
+    let formulas: [(LatLongConvention, Column); 3] = [
         (LatLongConvention::CentreNegZ, &ours),
         (LatLongConvention::Mitsuba, &mitsuba),
         (LatLongConvention::ThreeJs, &three_js),

@@ -45,9 +45,8 @@ impl ToneMap {
     #[inline]
     pub fn apply(self, linear: &Vector3<f32>) -> [u8; 3] {
         [0, 1, 2].map(|c| {
-            let exposed = linear[c] * self.exposure;
-            // NaN passes clamp and becomes 0 in the cast.
-            (linear_to_srgb(exposed.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
+            // The cast makes 0 of NaN.
+            (linear_to_srgb((linear[c] * self.exposure).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8
         })
     }
 }

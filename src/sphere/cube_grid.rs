@@ -180,7 +180,7 @@ impl CubeGrid {
     ///
     ///   Ω = g(x₁, y₁) − g(x₀, y₁) − g(x₁, y₀) + g(x₀, y₀),  g(x, y) = atan2(xy, √(x² + y² + 1))
     ///
-    /// over the texel's corners on the face [−1, 1]² at distance 1. Accuracy: 1e-16 absolute.
+    /// over the texel's corners on the face [−1, 1]² at distance 1. Accuracy: eps absolute, against golden values.
     ///
     /// # Example
     /// ```
