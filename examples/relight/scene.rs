@@ -49,7 +49,7 @@ impl Scene {
                 };
                 let materials = match given {
                     Some(brdf) => Materials::uniform_shared(brdf),
-                    None => palette(&model.part_names, model.parts.iter().map(|&p| u32::from(p)).collect())?,
+                    None => palette(model.part_names, model.parts.iter().map(|&p| u32::from(p)).collect())?,
                 };
                 (scene.name().to_owned(), model.mesh, camera, materials)
             }
