@@ -283,28 +283,10 @@ fn one_hot_coefficients_are_basis_functions() {
             let inside = px / cell == x && py / cell == y;
             let (right, below) = (px % cell >= cell / 2, py % cell >= cell / 2);
             let sign = match kind {
-                None => 1.0,
-                Some(Kind::Horizontal) => {
-                    if right {
-                        -1.0
-                    } else {
-                        1.0
-                    }
-                }
-                Some(Kind::Vertical) => {
-                    if below {
-                        -1.0
-                    } else {
-                        1.0
-                    }
-                }
-                Some(Kind::Diagonal) => {
-                    if right == below {
-                        1.0
-                    } else {
-                        -1.0
-                    }
-                }
+                Some(Kind::Horizontal) if right => -1.0,
+                Some(Kind::Vertical) if below => -1.0,
+                Some(Kind::Diagonal) if right != below => -1.0,
+                _ => 1.0,
             };
             assert_eq!(image[p], if inside { sign * f64::from(1u32 << level) } else { 0.0 });
         }
