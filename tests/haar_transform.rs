@@ -284,16 +284,10 @@ fn one_hot_coefficients_are_basis_functions() {
             let (right, below) = (px % cell >= cell / 2, py % cell >= cell / 2);
             let sign_of = |second_half: bool| if second_half { -1.0 } else { 1.0 };
             let sign = match kind {
-                None => 1.0,
-                Some(Kind::Horizontal) => sign_of(right),
-                Some(Kind::Vertical) => sign_of(below),
-                Some(Kind::Diagonal) => {
-                    if right == below {
-                        1.0
-                    } else {
-                        -1.0
-                    }
-                }
+                Some(Kind::Horizontal) if right => -1.0,
+                Some(Kind::Vertical) if below => -1.0,
+                Some(Kind::Diagonal) if right != below => -1.0,
+                _ => 1.0,
             };
             assert_eq!(image[p], if inside { sign * f64::from(1u32 << level) } else { 0.0 });
         }
