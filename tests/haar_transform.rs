@@ -282,7 +282,6 @@ fn one_hot_coefficients_are_basis_functions() {
             assert_close(&[standard[p]], &[twin::basis_standard(n, flat, u, v)], 4.0 * f64::EPSILON, 8.0);
             let inside = px / cell == x && py / cell == y;
             let (right, below) = (px % cell >= cell / 2, py % cell >= cell / 2);
-            let sign_of = |second_half: bool| if second_half { -1.0 } else { 1.0 };
             let sign = match kind {
                 Some(Kind::Horizontal) if right => -1.0,
                 Some(Kind::Vertical) if below => -1.0,
