@@ -58,7 +58,7 @@ pub enum Error {
         /// What is wrong with it, and the forms that are allowed.
         reason: String,
     },
-    /// The caller's [`Progress`](crate::Progress) asked to stop.
+    /// The caller's `Progress` asked to stop.
     Cancelled,
     /// A file or stream could not be read or written.
     File {

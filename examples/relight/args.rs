@@ -54,7 +54,7 @@ pub struct Args {
     pub terms: Keep,
 
     /// How the kept terms are chosen
-    #[arg(long, value_enum, default_value = "area")]
+    #[arg(long, value_enum, default_value = "integral")]
     pub weighting: Choice,
 
     /// Slices of the triple product's BRDF: sampled for each vertex, or from a table of N² × 6 normals
