@@ -208,7 +208,13 @@ impl<'a, T: Real> Selection<'a, T> {
         self.rank(channels, block, &mut work.keys)?;
         let floor = floor_key(&work.keys, terms, &mut work.bins);
         work.ranked.clear();
-        work.ranked.extend((0u32..).zip(&work.keys).filter(|&(_, &k)| k >= floor && k > 0.0).map(|(i, &k)| (k, i)));
+        for (block, keys) in work.keys.chunks(RUN).enumerate() {
+            // Most runs of keys hold none that is kept: look at a run without branches first.
+            if keys.iter().fold(false, |any, &k| any | (k >= floor)) {
+                let numbered = (block * RUN..).zip(keys).filter(|&(_, &k)| k >= floor && k > 0.0);
+                work.ranked.extend(numbered.map(|(i, &k)| (k, i as u32)));
+            }
+        }
         if terms < work.ranked.len() {
             // Keys are never NaN; index breaks ties, so this is a total order.
             work.ranked.select_nth_unstable_by(terms, |a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -245,7 +251,8 @@ impl<'a, T: Real> Selection<'a, T> {
         }
         // Infinity passes for NaN in hypot, and a finite sum may overflow: look at the values themselves.
         for channel in channels {
-            if let Some(index) = channel.iter().position(|c| !c.is_finite()) {
+            if channel.iter().fold(false, |any, c| any | !c.is_finite()) {
+                let index = channel.iter().position(|c| !c.is_finite()).unwrap_or_default();
                 return Err(Error::NotFinite { what: "coefficient", index });
             }
         }
@@ -369,6 +376,9 @@ fn scale_levels(keys: &mut [f64], block: usize, factor: f64) {
     }
 }
 
+/// Keys that are looked at together.
+const RUN: usize = 32;
+
 /// A key that at least `terms` of the keys reach, if so many are positive, and few more: the lower edge of a bin of keys that
 /// share their exponent and four bits of their mantissa.
 fn floor_key(keys: &[f64], terms: usize, bins: &mut Vec<u32>) -> f64 {
@@ -378,8 +388,11 @@ fn floor_key(keys: &[f64], terms: usize, bins: &mut Vec<u32>) -> f64 {
     }
     bins.clear();
     bins.resize(1 << (63 - SHIFT), 0);
-    for key in keys {
-        bins[(key.to_bits() >> SHIFT) as usize] += 1;
+    // Runs of zeros (a BRDF below the horizon) would wait for each other's count in bin 0.
+    for keys in keys.chunks(RUN).filter(|keys| keys.iter().fold(false, |any, &k| any | (k > 0.0))) {
+        for key in keys {
+            bins[(key.to_bits() >> SHIFT) as usize] += 1;
+        }
     }
     let mut above = 0;
     for (bin, &count) in bins.iter().enumerate().rev() {
