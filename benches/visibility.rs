@@ -18,7 +18,8 @@ fn visibility(criterion: &mut Criterion) {
         let sample: Vec<usize> = (0..SAMPLE).map(|i| i * n / SAMPLE).collect();
         for side in [16, 64] {
             let grid = CubeGrid::new(side).expect("the side is allowed");
-            let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("the mesh is sound");
+            let baker =
+                VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("the mesh is sound");
             let mut words = vec![0; baker.words_per_vertex()];
             let mut scratch = baker.scratch();
             let mut bake = |vertex: usize| {

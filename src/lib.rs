@@ -28,7 +28,7 @@
 )]
 #![cfg_attr(
     feature = "reference",
-    doc = "| [`reference`] | naive `f64` twins of the fast paths, for tests | `reference` |"
+    doc = "| [`mod@reference`] | naive `f64` twins of the fast paths, for tests | `reference` |"
 )]
 #![cfg_attr(
     not(feature = "reference"),

@@ -103,6 +103,15 @@ pub struct Args {
 }
 
 impl Args {
+    /// Makes the folders of the files to write, before any long work.
+    pub fn make_folders(&self) -> Result<(), String> {
+        let files = [Some(&self.out), self.exr.as_ref(), self.out_ply.as_ref(), self.report.as_ref()];
+        for folder in files.into_iter().flatten().filter_map(|f| f.parent()).filter(|f| !f.as_os_str().is_empty()) {
+            std::fs::create_dir_all(folder).map_err(|e| format!("{}: cannot be made: {e}", folder.display()))?;
+        }
+        Ok(())
+    }
+
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
         if self.frames == 0 {

@@ -52,9 +52,6 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
 
 /// Writes the sheet and what else was asked for.
 pub fn save(args: &Args, scene: &Scene, run: &Run, sheet: &Sheet) -> Result<(), Failure> {
-    if let Some(folder) = args.out.parent().filter(|f| !f.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder).map_err(|e| format!("{}: cannot be made: {e}", folder.display()))?;
-    }
     io::save_png_srgb8(&args.out, sheet.width, sheet.height, &sheet.pixels)?;
     let Some(first) = run.results.iter().find(|o| o.method != "reference").or(run.results.first()) else {
         return Ok(());
