@@ -189,10 +189,10 @@ impl Bvh {
         Some((Ray::new_inf(vec3a(origin), vec3a(direction / length)), length))
     }
 
-    /// Copies the binary tree into nodes of eight children.
+    /// Copies the binary tree into nodes of eight children; a subtree of at most eight triangles becomes one leaf.
     fn widen(&mut self) {
-        let root = self.tree.nodes[0];
-        if root.is_leaf() {
+        let sizes = subtree_sizes(&self.tree);
+        if sizes[0] as usize <= WIDTH {
             self.push_leaf(0);
             return;
         }
@@ -201,29 +201,17 @@ impl Bvh {
         self.nodes.push(empty_node());
         while let Some((binary, wide, level)) = todo.pop() {
             self.wide_depth = self.wide_depth.max(level);
-            let first = self.tree.nodes[binary].first_index as usize;
-            let mut members = vec![first, first + 1];
-            while members.len() < WIDTH {
-                // Open the inner member with the largest surface; the first of equals.
-                let area = |i: usize| self.tree.nodes[i].aabb().half_area();
-                let inner = (0..members.len()).filter(|&k| !self.tree.nodes[members[k]].is_leaf());
-                let Some(k) = inner.reduce(|a, b| if area(members[b]) > area(members[a]) { b } else { a }) else {
-                    break;
-                };
-                let opened = self.tree.nodes[members[k]].first_index as usize;
-                members[k] = opened;
-                members.push(opened + 1);
-            }
+            let members = self.members(binary, &sizes);
             for (lane, &member) in members.iter().enumerate() {
-                let node = self.tree.nodes[member];
-                let (min, max) = (node.aabb().min.to_array(), node.aabb().max.to_array());
-                let child = if node.is_leaf() {
+                let bounds = *self.tree.nodes[member].aabb();
+                let child = if sizes[member] as usize <= WIDTH {
                     self.push_leaf(member) | LEAF
                 } else {
                     self.nodes.push(empty_node());
                     todo.push((member, self.nodes.len() - 1, level + 1));
                     self.nodes.len() as u32 - 1
                 };
+                let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
                 let slot = &mut self.nodes[wide];
                 for axis in 0..3 {
                     slot.bounds[axis][lane] = min[axis];
@@ -234,20 +222,63 @@ impl Bvh {
         }
     }
 
+    /// Up to eight descendants of a binary node that hold all of its triangles: the largest boxes are opened first.
+    fn members(&self, binary: usize, sizes: &[u32]) -> Vec<usize> {
+        let first = self.tree.nodes[binary].first_index as usize;
+        let mut members = vec![first, first + 1];
+        while members.len() < WIDTH {
+            let area = |k: usize| self.tree.nodes[members[k]].aabb().half_area();
+            let open = (0..members.len()).filter(|&k| sizes[members[k]] as usize > WIDTH);
+            let Some(k) = open.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
+            let opened = self.tree.nodes[members[k]].first_index as usize;
+            members[k] = opened;
+            members.push(opened + 1);
+        }
+        members
+    }
+
+    /// Adds the triangles of a subtree, at most eight, as a leaf.
     fn push_leaf(&mut self, binary: usize) -> u32 {
-        let node = self.tree.nodes[binary];
         let mut leaf = Leaf { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
-        let first = node.first_index as usize;
-        for (lane, triangle) in self.triangles[first..][..node.prim_count as usize].iter().enumerate() {
-            for (corner, point) in triangle.iter().enumerate() {
-                for (axis, value) in point.to_array().into_iter().enumerate() {
-                    leaf.corners[corner][axis][lane] = value;
+        let mut todo = vec![binary];
+        let mut lane = 0;
+        while let Some(index) = todo.pop() {
+            let node = &self.tree.nodes[index];
+            let first = node.first_index as usize;
+            if !node.is_leaf() {
+                todo.extend([first + 1, first]);
+                continue;
+            }
+            for triangle in &self.triangles[first..][..node.prim_count as usize] {
+                for (corner, point) in triangle.iter().enumerate() {
+                    for (axis, value) in point.to_array().into_iter().enumerate() {
+                        leaf.corners[corner][axis][lane] = value;
+                    }
                 }
+                lane += 1;
             }
         }
         self.leaves.push(leaf);
         self.leaves.len() as u32 - 1
     }
+}
+
+/// How many triangles are below every node of a binary tree.
+fn subtree_sizes(tree: &Bvh2) -> Vec<u32> {
+    let mut sizes = vec![0; tree.nodes.len()];
+    let mut todo = vec![(0_usize, false)];
+    while let Some((index, children_done)) = todo.pop() {
+        let node = &tree.nodes[index];
+        let first = node.first_index as usize;
+        if node.is_leaf() {
+            sizes[index] = node.prim_count;
+        } else if children_done {
+            sizes[index] = sizes[first] + sizes[first + 1];
+        } else {
+            todo.extend([(index, true), (first, false), (first + 1, false)]);
+        }
+    }
+    sizes
 }
 
 fn empty_node() -> WideNode {

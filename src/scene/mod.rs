@@ -6,7 +6,7 @@ mod camera;
 mod mesh;
 mod picture;
 mod procedural;
-mod visibility;
+pub mod visibility;
 
 pub use brdf::Brdf;
 pub use bvh::{Bvh, Hit};

@@ -9,7 +9,7 @@ mod baker;
 mod binary;
 mod fractional;
 mod live;
-mod trace;
+pub mod trace;
 
 pub use baker::{BackFaces, VisibilityBaker, VisibilityScratch, VisibilitySettings};
 pub use binary::BinaryVisibility;

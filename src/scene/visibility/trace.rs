@@ -124,7 +124,12 @@ impl Triangle {
             let a = view.axis[k];
             view.sign[k] * (leaf.corners[to][a][lane] - leaf.corners[from][a][lane])
         };
-        let e = [[0, 1], [1, 2], [2, 0]].map(|[from, to]| [along(0, from, to), along(1, from, to), along(2, from, to)]);
+        // Written out: an unnamed closure handed to `map` stays a call in the dispatched code.
+        let e = [
+            [along(0, 0, 1), along(1, 0, 1), along(2, 0, 1)],
+            [along(0, 1, 2), along(1, 1, 2), along(2, 1, 2)],
+            [along(0, 2, 0), along(1, 2, 0), along(2, 2, 0)],
+        ];
         let (six_volume, terms) = volume(corners[0], e[0], e[1]);
         let certain = six_volume.abs() > EDGE_TOLERANCE * terms;
         // Right, down, outward is left-handed: a positive volume faces the origin.
@@ -170,7 +175,7 @@ impl Triangle {
 fn occlude_inside(edges: &[[f32; 3]; 3], x: [u32; 2], y: [u32; 2], live: &mut LiveRays, centres: &[f32]) {
     let (x0, x1) = (x[0] as usize, x[1] as usize);
     let half = 0.5 * centres.len() as f32;
-    let roots = edges.map(|n| -half / n[0]);
+    let roots = [-half / edges[0][0], -half / edges[1][0], -half / edges[2][0]];
     for y in y[0] as usize..y[1] as usize {
         let (mut first, mut end) = (x0, x1);
         for (n, root) in edges.iter().zip(roots) {
@@ -219,15 +224,35 @@ pub(super) struct Waiting {
     y: [u16; 2],
 }
 
-/// Kills the rays of a face that meet the mesh.
+/// Kills the rays of a face that meet the mesh; run by `pulp` with the instructions that the machine has.
+///
+/// A struct, not a closure: a closure is called through a shim that is not inlined, and loses the dispatch.
+pub(super) struct TraceFace<'a> {
+    pub(super) bvh: &'a Bvh,
+    pub(super) view: View,
+    pub(super) live: &'a mut LiveRays,
+    pub(super) centres: &'a [f32],
+    pub(super) stack: &'a mut Vec<Waiting>,
+}
+
+impl pulp::WithSimd for TraceFace<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { bvh, view, live, centres, stack } = self;
+        trace_face(bvh, &view, live, centres, stack);
+    }
+}
+
 #[inline(always)]
-pub(super) fn trace_face(bvh: &Bvh, view: &View, live: &mut LiveRays, centres: &[f32], stack: &mut Vec<Waiting>) {
+fn trace_face(bvh: &Bvh, view: &View, live: &mut LiveRays, centres: &[f32], stack: &mut Vec<Waiting>) {
     let side = centres.len() as u16;
     stack.clear();
     let root = if bvh.nodes().is_empty() { LEAF } else { 0 };
     stack.push(Waiting { child: root, x: [0, side], y: [0, side] });
     while let Some(Waiting { child, x, y }) = stack.pop() {
-        if !live.any(x.map(u32::from), y.map(u32::from)) {
+        if !live.any([x[0].into(), x[1].into()], [y[0].into(), y[1].into()]) {
             continue;
         }
         if child & LEAF != 0 {
@@ -240,7 +265,8 @@ pub(super) fn trace_face(bvh: &Bvh, view: &View, live: &mut LiveRays, centres: &
         for i in 0..WIDTH {
             if x[i][0] < x[i][1] && y[i][0] < y[i][1] && live.any(x[i], y[i]) {
                 // Insertion sort, far to near, so that the nearest is popped first; the keys of what is pushed are here.
-                stack.push(Waiting { child: i as u32, x: x[i].map(|t| t as u16), y: y[i].map(|t| t as u16) });
+                let (x, y) = ([x[i][0] as u16, x[i][1] as u16], [y[i][0] as u16, y[i][1] as u16]);
+                stack.push(Waiting { child: i as u32, x, y });
                 let mut at = stack.len() - 1;
                 while at > bottom && key[stack[at - 1].child as usize % WIDTH] < key[i] {
                     stack.swap(at, at - 1);
@@ -285,7 +311,8 @@ fn project_leaf(view: &View, leaf: &Leaf) -> ([[[f32; WIDTH]; 3]; 3], [[u32; 2];
     }
     for (k, range) in [(0, &mut x), (1, &mut y)] {
         for i in 0..WIDTH {
-            let [a, b, c] = [0, 1, 2].map(|c| corners[c][k][i] * inverse[c][i]);
+            let (a, b) = (corners[0][k][i] * inverse[0][i], corners[1][k][i] * inverse[1][i]);
+            let c = corners[2][k][i] * inverse[2][i];
             let tight = view.range(a.min(b).min(c), a.max(b).max(c));
             range[i] = if low[2][i] > NEAREST { tight } else { range[i] };
         }
@@ -293,12 +320,24 @@ fn project_leaf(view: &View, leaf: &Leaf) -> ([[[f32; WIDTH]; 3]; 3], [[u32; 2];
     (corners, x, y)
 }
 
+/// The corners of one triangle of eight.
+#[inline(always)]
+fn corners_of(corners: &[[[f32; WIDTH]; 3]; 3], i: usize) -> [[f32; 3]; 3] {
+    let mut own = [[0.0; 3]; 3];
+    for c in 0..3 {
+        for k in 0..3 {
+            own[c][k] = corners[c][k][i];
+        }
+    }
+    own
+}
+
 #[inline(always)]
 fn trace_leaf(leaf: &Leaf, view: &View, live: &mut LiveRays, centres: &[f32]) {
     let (corners, x, y) = project_leaf(view, leaf);
     for i in 0..WIDTH {
         if x[i][0] < x[i][1] && y[i][0] < y[i][1] && live.any(x[i], y[i]) {
-            let own = [0, 1, 2].map(|c: usize| [0, 1, 2].map(|k: usize| corners[c][k][i]));
+            let own = corners_of(&corners, i);
             if let Some(triangle) = Triangle::new(view, leaf, i, own, x[i], y[i]) {
                 triangle.occlude(live, centres);
             }
@@ -308,12 +347,12 @@ fn trace_leaf(leaf: &Leaf, view: &View, live: &mut LiveRays, centres: &[f32]) {
 
 /// Whether the ray through the centre of texel (x, y) meets any triangle of the mesh: every triangle is tested.
 ///
-/// The bits of [`trace_face`] by a road without boxes, order or runs.
+/// The bits of [`TraceFace`] by a road without boxes, order or runs.
 pub(super) fn occluded(bvh: &Bvh, view: &View, x: usize, y: usize, centres: &[f32]) -> bool {
     bvh.leaves().iter().any(|leaf| {
         let (corners, columns, rows) = project_leaf(view, leaf);
         (0..WIDTH).any(|i| {
-            let own = [0, 1, 2].map(|c: usize| [0, 1, 2].map(|k: usize| corners[c][k][i]));
+            let own = corners_of(&corners, i);
             columns[i][0] < columns[i][1]
                 && rows[i][0] < rows[i][1]
                 && Triangle::new(view, leaf, i, own, columns[i], rows[i])
