@@ -6,6 +6,8 @@
 //! `obvhs` builds the binary tree. Single rays walk that tree; the visibility baker walks a copy of it with eight children
 //! a node and eight triangles a leaf, held as structures of arrays.
 
+use std::ops::{Add, Mul, Sub};
+
 use glam::Vec3A;
 use nalgebra::Vector3;
 use obvhs::aabb::Aabb;
@@ -38,11 +40,12 @@ pub(super) struct WideNode {
     pub(super) children: [u32; WIDTH],
 }
 
-/// Eight triangles: `corners[corner][axis][lane]`; lanes without a triangle are NaN.
+/// Up to eight triangles: `corners[corner][axis][lane]`; spare lanes repeat the first one.
 #[derive(Debug, Clone)]
 #[repr(C, align(32))]
 pub(super) struct Leaf {
     pub(super) corners: [[[f32; WIDTH]; 3]; 3],
+    pub(super) len: usize,
 }
 
 /// Where a ray meets a mesh.
@@ -239,9 +242,8 @@ impl Bvh {
 
     /// Adds the triangles of a subtree, at most eight, as a leaf.
     fn push_leaf(&mut self, binary: usize) -> u32 {
-        let mut leaf = Leaf { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
+        let mut leaf = Leaf { corners: [[[0.0; WIDTH]; 3]; 3], len: 0 };
         let mut todo = vec![binary];
-        let mut lane = 0;
         while let Some(index) = todo.pop() {
             let node = &self.tree.nodes[index];
             let first = node.first_index as usize;
@@ -252,10 +254,14 @@ impl Bvh {
             for triangle in &self.triangles[first..][..node.prim_count as usize] {
                 for (corner, point) in triangle.iter().enumerate() {
                     for (axis, value) in point.to_array().into_iter().enumerate() {
-                        leaf.corners[corner][axis][lane] = value;
+                        if leaf.len == 0 {
+                            leaf.corners[corner][axis] = [value; WIDTH];
+                        } else {
+                            leaf.corners[corner][axis][leaf.len] = value;
+                        }
                     }
                 }
-                lane += 1;
+                leaf.len += 1;
             }
         }
         self.leaves.push(leaf);
@@ -312,11 +318,11 @@ fn depth(tree: &Bvh2) -> usize {
 /// the product with |d| ≤ 1 u, and the two sums 2u; altogether |δ(n · d)| ≤ 8u Q to first order with Q the second result,
 /// 9u with the rounding of the tolerance itself; [`EDGE_TOLERANCE`] is 12u.
 #[inline(always)]
-pub(super) fn edge(a: [f32; 3], b: [f32; 3], e: [f32; 3]) -> ([f32; 3], f32) {
+pub(super) fn edge<T: Number>(a: [T; 3], b: [T; 3], e: [T; 3], abs: impl Fn(T) -> T) -> ([T; 3], T) {
     let s = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-    let r = [a[0].abs() + b[0].abs(), a[1].abs() + b[1].abs(), a[2].abs() + b[2].abs()];
+    let r = [abs(a[0]) + abs(b[0]), abs(a[1]) + abs(b[1]), abs(a[2]) + abs(b[2])];
     let n = [s[1] * e[2] - s[2] * e[1], s[2] * e[0] - s[0] * e[2], s[0] * e[1] - s[1] * e[0]];
-    let (ex, ey, ez) = (e[0].abs(), e[1].abs(), e[2].abs());
+    let (ex, ey, ez) = (abs(e[0]), abs(e[1]), abs(e[2]));
     let q = (r[1] * ez + r[2] * ey) + (r[2] * ex + r[0] * ez) + (r[0] * ey + r[1] * ex);
     (n, q)
 }
@@ -326,15 +332,19 @@ pub(super) fn edge(a: [f32; 3], b: [f32; 3], e: [f32; 3]) -> ([f32; 3], f32) {
 ///
 /// Positive if the face turns its back to the origin in a right-handed frame.
 #[inline(always)]
-pub(super) fn volume(a: [f32; 3], e: [f32; 3], f: [f32; 3]) -> (f32, f32) {
+pub(super) fn volume<T: Number>(a: [T; 3], e: [T; 3], f: [T; 3], abs: impl Fn(T) -> T) -> (T, T) {
     let (x0, x1) = (e[1] * f[2], e[2] * f[1]);
     let (y0, y1) = (e[2] * f[0], e[0] * f[2]);
     let (z0, z1) = (e[0] * f[1], e[1] * f[0]);
     let v = (x0 - x1) * a[0] + (y0 - y1) * a[1] + (z0 - z1) * a[2];
-    let q =
-        (x0.abs() + x1.abs()) * a[0].abs() + (y0.abs() + y1.abs()) * a[1].abs() + (z0.abs() + z1.abs()) * a[2].abs();
+    let q = (abs(x0) + abs(x1)) * abs(a[0]) + (abs(y0) + abs(y1)) * abs(a[1]) + (abs(z0) + abs(z1)) * abs(a[2]);
     (v, q)
 }
+
+/// One `f32` or a register of them.
+pub(super) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
 /// Distance and barycentric weights where a ray from `o` meets a triangle; `d` has largest component 1.
 ///
@@ -342,14 +352,14 @@ pub(super) fn volume(a: [f32; 3], e: [f32; 3], f: [f32; 3]) -> (f32, f32) {
 fn intersect(triangle: &[Vec3A; 3], o: Vec3A, d: Vec3A) -> Option<[f32; 4]> {
     let p = triangle.map(|v| (v - o).to_array());
     let e = [0, 1, 2].map(|k: usize| (triangle[(k + 1) % 3] - triangle[k]).to_array());
-    let (six_volume, volume_terms) = volume(p[0], e[0], e[1]);
+    let (six_volume, volume_terms) = volume(p[0], e[0], e[1], f32::abs);
     if six_volume.abs() <= EDGE_TOLERANCE * volume_terms {
         return None;
     }
     let side = six_volume.signum();
     let mut weights = [0.0; 3];
     for k in 0..3 {
-        let (n, q) = edge(p[k], p[(k + 1) % 3], e[k]);
+        let (n, q) = edge(p[k], p[(k + 1) % 3], e[k], f32::abs);
         let value = side * (n[0] * d.x + n[1] * d.y + n[2] * d.z);
         if !(value >= -EDGE_TOLERANCE * q) {
             return None;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use nalgebra::Vector3;
 
 use super::live::LiveRays;
-use super::trace::{TraceFace, View, Waiting, occluded};
+use super::trace::{TraceFace, View, Waiting, centre, occluded};
 use super::{BinaryVisibility, FractionalVisibility};
 use crate::error::check_length;
 use crate::scene::{Bvh, Mesh};
@@ -141,7 +141,7 @@ impl VisibilityBaker {
 
     fn on(scene: Arc<Scene>, grid: CubeGrid) -> Self {
         let centres: Vec<f64> = (0..grid.side()).map(|i| grid.centre(i)).collect();
-        let centres_f32 = centres.iter().map(|&c| c as f32).collect();
+        let centres_f32 = (0..grid.side()).map(|i| centre(grid.side(), i)).collect();
         Self { scene, grid, centres, centres_f32, arch: pulp::Arch::new() }
     }
 

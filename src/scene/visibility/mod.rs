@@ -8,6 +8,7 @@
 mod baker;
 mod binary;
 mod fractional;
+mod lanes;
 mod live;
 pub mod trace;
 
