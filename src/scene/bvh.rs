@@ -6,6 +6,7 @@
 //! `obvhs` builds the binary tree. Single rays walk that tree; the visibility baker walks a copy of it with eight children
 //! a node and eight triangles a leaf, held as structures of arrays.
 
+use std::collections::HashMap;
 use std::ops::{Add, Mul, Sub};
 
 use glam::Vec3A;
@@ -80,6 +81,7 @@ impl std::fmt::Debug for Bvh {
             .field("faces", &self.triangles.len())
             .field("nodes", &self.tree.nodes.len())
             .field("wide_nodes", &self.nodes.len())
+            .field("leaves", &self.leaves.len())
             .finish_non_exhaustive()
     }
 }
@@ -192,10 +194,41 @@ impl Bvh {
         Some((Ray::new_inf(vec3a(origin), vec3a(direction / length)), length))
     }
 
-    /// Copies the binary tree into nodes of eight children; a subtree of at most eight triangles becomes one leaf.
+    /// Copies the binary tree into nodes of up to eight children and leaves of up to eight triangles.
+    ///
+    /// From the leaves up: the largest subtrees of at most eight triangles become leaves, the largest of at most eight
+    /// leaves nodes above them, and so on. That fills nodes better than opening boxes from the root down.
     fn widen(&mut self) {
-        let sizes = subtree_sizes(&self.tree);
-        if sizes[0] as usize <= WIDTH {
+        let order = children_first(&self.tree);
+        let nodes = &self.tree.nodes;
+        let mut count = vec![0_usize; nodes.len()];
+        for &i in &order {
+            let first = nodes[i].first_index as usize;
+            count[i] = if nodes[i].is_leaf() { nodes[i].prim_count as usize } else { count[first] + count[first + 1] };
+        }
+        // The units that a wide node's subtree was made of, by the subtree's root.
+        let mut members: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut is_unit = vec![false; nodes.len()];
+        // A leaf of the binary tree has at most eight triangles, so that every one is in a unit.
+        mark_units(&self.tree, &count, &mut is_unit);
+        while !is_unit[0] {
+            for &i in &order {
+                let first = nodes[i].first_index as usize;
+                count[i] = if is_unit[i] {
+                    1
+                } else if nodes[i].is_leaf() {
+                    0
+                } else {
+                    count[first] + count[first + 1]
+                };
+            }
+            let below = is_unit.clone();
+            mark_units(&self.tree, &count, &mut is_unit);
+            for &i in order.iter().filter(|&&i| is_unit[i] && count[i] > 1) {
+                members.insert(i, units_below(&self.tree, i, &below));
+            }
+        }
+        if !members.contains_key(&0) {
             self.push_leaf(0);
             return;
         }
@@ -204,15 +237,14 @@ impl Bvh {
         self.nodes.push(empty_node());
         while let Some((binary, wide, level)) = todo.pop() {
             self.wide_depth = self.wide_depth.max(level);
-            let members = self.members(binary, &sizes);
-            for (lane, &member) in members.iter().enumerate() {
+            for (lane, &member) in members[&binary].iter().enumerate() {
                 let bounds = *self.tree.nodes[member].aabb();
-                let child = if sizes[member] as usize <= WIDTH {
-                    self.push_leaf(member) | LEAF
-                } else {
+                let child = if members.contains_key(&member) {
                     self.nodes.push(empty_node());
                     todo.push((member, self.nodes.len() - 1, level + 1));
                     self.nodes.len() as u32 - 1
+                } else {
+                    self.push_leaf(member) | LEAF
                 };
                 let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
                 let slot = &mut self.nodes[wide];
@@ -223,21 +255,6 @@ impl Bvh {
                 slot.children[lane] = child;
             }
         }
-    }
-
-    /// Up to eight descendants of a binary node that hold all of its triangles: the largest boxes are opened first.
-    fn members(&self, binary: usize, sizes: &[u32]) -> Vec<usize> {
-        let first = self.tree.nodes[binary].first_index as usize;
-        let mut members = vec![first, first + 1];
-        while members.len() < WIDTH {
-            let area = |k: usize| self.tree.nodes[members[k]].aabb().half_area();
-            let open = (0..members.len()).filter(|&k| sizes[members[k]] as usize > WIDTH);
-            let Some(k) = open.reduce(|a, b| if area(b) > area(a) { b } else { a }) else { break };
-            let opened = self.tree.nodes[members[k]].first_index as usize;
-            members[k] = opened;
-            members.push(opened + 1);
-        }
-        members
     }
 
     /// Adds the triangles of a subtree, at most eight, as a leaf.
@@ -269,22 +286,47 @@ impl Bvh {
     }
 }
 
-/// How many triangles are below every node of a binary tree.
-fn subtree_sizes(tree: &Bvh2) -> Vec<u32> {
-    let mut sizes = vec![0; tree.nodes.len()];
-    let mut todo = vec![(0_usize, false)];
-    while let Some((index, children_done)) = todo.pop() {
+/// The nodes of a binary tree, children before their parents.
+fn children_first(tree: &Bvh2) -> Vec<usize> {
+    let mut order = Vec::with_capacity(tree.nodes.len());
+    let mut todo = vec![0_usize];
+    while let Some(index) = todo.pop() {
+        order.push(index);
         let node = &tree.nodes[index];
-        let first = node.first_index as usize;
-        if node.is_leaf() {
-            sizes[index] = node.prim_count;
-        } else if children_done {
-            sizes[index] = sizes[first] + sizes[first + 1];
-        } else {
-            todo.extend([(index, true), (first, false), (first + 1, false)]);
+        if !node.is_leaf() {
+            todo.extend([0, 1].map(|k| node.first_index as usize + k));
         }
     }
-    sizes
+    order.reverse();
+    order
+}
+
+/// Makes the roots of the largest subtrees of at most eight units the new units.
+fn mark_units(tree: &Bvh2, count: &[usize], is_unit: &mut [bool]) {
+    let mut todo = vec![0_usize];
+    while let Some(index) = todo.pop() {
+        let node = &tree.nodes[index];
+        // A subtree of one unit is that unit: its root stays where it is, further down.
+        if is_unit[index] || (count[index] <= WIDTH && (count[index] > 1 || node.is_leaf())) {
+            is_unit[index] = true;
+        } else {
+            todo.extend([0, 1].map(|k| node.first_index as usize + k));
+        }
+    }
+}
+
+/// The units of a subtree, in the order of the tree.
+fn units_below(tree: &Bvh2, root: usize, is_unit: &[bool]) -> Vec<usize> {
+    let mut units = vec![];
+    let mut todo = vec![root];
+    while let Some(index) = todo.pop() {
+        if is_unit[index] {
+            units.push(index);
+        } else {
+            todo.extend([1, 0].map(|k| tree.nodes[index].first_index as usize + k));
+        }
+    }
+    units
 }
 
 fn empty_node() -> WideNode {
