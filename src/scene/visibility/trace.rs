@@ -6,7 +6,7 @@
 //! (E ≥ 0 for the three edges, within the triangle's range of texels); the walk only leaves out triangles that cannot cover a living ray, so that it gives exactly the
 //! bits of testing every triangle against every ray.
 
-use super::super::bvh::{Bvh, EDGE_TOLERANCE, LEAF, Leaf, WIDTH, WideNode, edge, volume};
+use super::super::bvh::{Bvh, EDGE_TOLERANCE, LEAF, Leaf, WIDTH, WideNode, edge, norm_squared, volume};
 use super::BackFaces;
 use super::lanes::{Lanes, Reg, parts};
 use super::live::LiveRays;
@@ -244,6 +244,7 @@ impl Edges {
                     e[c][k] = Reg::splat(simd, view.sign[k]) * (to - from);
                 }
             }
+            let distances = [norm_squared(p[0]), norm_squared(p[1]), norm_squared(p[2])];
             let (six_volume, terms) = volume(p[0], e[0], e[1], Reg::abs);
             let side = six_volume.less(zero).select(minus, one);
             let certain = (terms * tolerance).less(six_volume.abs());
@@ -252,7 +253,10 @@ impl Edges {
             let [u, v] = view.first_centre(simd, ranges, part);
             let mut least = Reg::splat(simd, f32::INFINITY);
             for k in 0..3 {
-                let (n, terms) = edge(p[k], p[(k + 1) % 3], e[k], Reg::abs);
+                let (a, b) = (p[k], p[(k + 1) % 3]);
+                let nearer = distances[(k + 1) % 3].less(distances[k]);
+                let m = [nearer.select(b[0], a[0]), nearer.select(b[1], a[1]), nearer.select(b[2], a[2])];
+                let (n, terms) = edge(m, e[k], Reg::abs);
                 let (n, widened) = ([side * n[0], side * n[1], side * n[2]], terms * tolerance);
                 for c in 0..3 {
                     n[c].store(&mut out.normals[k][c], part);
@@ -391,6 +395,9 @@ fn trace_face<S: Simd>(simd: S, job: TraceFace<'_>) {
     let TraceFace { bvh, view, live, centres, stack } = job;
     let side = centres.len() as u16;
     stack.clear();
+    if bvh.leaves().is_empty() {
+        return;
+    }
     let root = if bvh.nodes().is_empty() { LEAF } else { 0 };
     stack.push(Waiting { child: root, x: [0, side], y: [0, side] });
     while let Some(Waiting { child, x, y }) = stack.pop() {
