@@ -6,6 +6,9 @@
 //! `obvhs` builds the binary tree. Single rays walk that tree; the visibility baker walks a copy of it with eight children
 //! a node and eight triangles a leaf, held as structures of arrays.
 
+use std::collections::HashMap;
+use std::ops::{Add, Mul, Sub};
+
 use glam::Vec3A;
 use nalgebra::Vector3;
 use obvhs::aabb::Aabb;
@@ -38,11 +41,12 @@ pub(super) struct WideNode {
     pub(super) children: [u32; WIDTH],
 }
 
-/// Eight triangles: `corners[corner][axis][lane]`; lanes without a triangle are NaN.
+/// Up to eight triangles: `corners[corner][axis][lane]`; spare lanes repeat the first one.
 #[derive(Debug, Clone)]
 #[repr(C, align(32))]
 pub(super) struct Leaf {
     pub(super) corners: [[[f32; WIDTH]; 3]; 3],
+    pub(super) len: usize,
 }
 
 /// Where a ray meets a mesh.
@@ -59,13 +63,15 @@ pub struct Hit {
 /// A bounding volume hierarchy over the faces of a mesh.
 ///
 /// It keeps its own copy of the triangles. Building is deterministic. Cost: about 1 µs a face to build, 290 B a face.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub struct Bvh {
     centre: Vector3<f64>,
     scale: f64,
     tree: Bvh2,
     /// Triangles in the order of `tree.primitive_indices`.
     triangles: Vec<[Vec3A; 3]>,
+    /// The mesh's faces in the same order.
+    faces: Vec<u32>,
     nodes: Vec<WideNode>,
     leaves: Vec<Leaf>,
     wide_depth: usize,
@@ -77,8 +83,18 @@ impl std::fmt::Debug for Bvh {
             .field("faces", &self.triangles.len())
             .field("nodes", &self.tree.nodes.len())
             .field("wide_nodes", &self.nodes.len())
+            .field("leaves", &self.leaves.len())
             .finish_non_exhaustive()
     }
+}
+
+/// A ray in scene units, the largest component of its direction 1.
+struct Start {
+    ray: Ray,
+    /// How far along the ray its origin was moved.
+    skipped: f64,
+    /// What the direction was divided by.
+    length: f64,
 }
 
 struct Triangle([Vec3A; 3]);
@@ -103,13 +119,23 @@ impl Bvh {
             let q = ((p.cast::<f64>() - centre) * scale).cast::<f32>();
             Vec3A::new(q.x, q.y, q.z)
         };
-        let given: Vec<_> = (0..mesh.faces().len()).map(|f| Triangle(mesh.corners(f).map(to_scene))).collect();
+        // Faces without area, in scene units, meet no ray.
+        let area = |t: &[Vec3A; 3]| (t[1] - t[0]).as_dvec3().cross((t[2] - t[0]).as_dvec3()).length_squared();
+        let (faces, given): (Vec<u32>, Vec<Triangle>) = (0..mesh.faces().len())
+            .map(|face| (face as u32, Triangle(mesh.corners(face).map(to_scene))))
+            .filter(|(_, triangle)| area(&triangle.0) > 0.0)
+            .unzip();
+        let mut bvh = Self { centre, scale, ..Self::default() };
+        if given.is_empty() {
+            return bvh;
+        }
         let params = BvhBuildParams { max_prims_per_leaf: WIDTH as u32, ..BvhBuildParams::medium_build() };
         let mut tree = build_bvh2(&given, params, &mut std::time::Duration::default());
         // The walks size their stacks by this; optimisation may have made the tree deeper than its builder says.
         tree.max_depth = depth(&tree) + 1;
-        let triangles = tree.primitive_indices.iter().map(|&i| given[i as usize].0).collect();
-        let mut bvh = Self { centre, scale, tree, triangles, nodes: vec![], leaves: vec![], wide_depth: 0 };
+        bvh.triangles = tree.primitive_indices.iter().map(|&i| given[i as usize].0).collect();
+        bvh.faces = tree.primitive_indices.iter().map(|&i| faces[i as usize]).collect();
+        bvh.tree = tree;
         bvh.widen();
         bvh
     }
@@ -148,7 +174,7 @@ impl Bvh {
     /// `direction` need not be a unit vector. None if the ray meets nothing, or is zero or not finite. Nothing slips between two
     /// faces that share an edge.
     pub fn closest_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
-        let (ray, length) = self.ray(origin, direction)?;
+        let Start { ray, skipped, length } = self.ray(origin, direction)?;
         let mut best: Option<(usize, [f32; 4])> = None;
         let mut hit = obvhs::ray::RayHit::none();
         self.tree.ray_traverse(ray, &mut hit, |ray, index| {
@@ -163,36 +189,73 @@ impl Bvh {
             }
         });
         let (index, [t, barycentric @ ..]) = best?;
-        let face = self.tree.primitive_indices[index];
-        Some(Hit { face, distance: f64::from(t) / (length * self.scale), barycentric })
+        Some(Hit { face: self.faces[index], distance: (skipped + f64::from(t)) / (length * self.scale), barycentric })
     }
 
     /// Whether a ray meets any face, front or back.
     ///
     /// As [`closest_hit`](Self::closest_hit), but stops at the first face found.
     pub fn any_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
-        let Some((ray, _)) = self.ray(origin, direction) else { return false };
+        let Some(Start { ray, .. }) = self.ray(origin, direction) else { return false };
         !self.tree.ray_traverse_miss(ray, |ray, index| {
             intersect(&self.triangles[index], ray.origin, ray.direction).map_or(f32::INFINITY, |found| found[0])
         })
     }
 
-    /// The ray in scene units with the largest component of its direction 1, and what the direction was divided by.
-    fn ray(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<(Ray, f64)> {
+    /// The ray in scene units; None if it is none.
+    fn ray(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Start> {
         let length = direction.amax();
         let origin = self.to_scene(origin);
-        // Beyond this a scene of size 1 is smaller than any pixel, and the edge functions would overflow.
-        if !(length > 0.0 && length.is_finite() && origin.amax() < 1e12) || direction.iter().any(|c| c.is_nan()) {
+        if !(length > 0.0 && length.is_finite() && origin.amax() < 1e100) || direction.iter().any(|c| c.is_nan()) {
+            return None;
+        }
+        let direction = direction / length;
+        // The scene is in the ball of radius √3 around zero: start near it, where f32 is fine.
+        let skipped = (-origin.dot(&direction) / direction.norm_squared() - 2.0).max(0.0);
+        let origin = origin + direction * skipped;
+        // A ray that passes so far away misses; the edge functions would overflow.
+        if !(origin.amax() < 1e12) {
             return None;
         }
         let vec3a = |v: Vector3<f64>| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
-        Some((Ray::new_inf(vec3a(origin), vec3a(direction / length)), length))
+        Some(Start { ray: Ray::new_inf(vec3a(origin), vec3a(direction)), skipped, length })
     }
 
-    /// Copies the binary tree into nodes of eight children.
+    /// Copies the binary tree into nodes of up to eight children and leaves of up to eight triangles.
+    ///
+    /// From the leaves up: the largest subtrees of at most eight triangles become leaves, the largest of at most eight
+    /// leaves nodes above them, and so on. That fills nodes better than opening boxes from the root down.
     fn widen(&mut self) {
-        let root = self.tree.nodes[0];
-        if root.is_leaf() {
+        let order = children_first(&self.tree);
+        let nodes = &self.tree.nodes;
+        let mut count = vec![0_usize; nodes.len()];
+        for &i in &order {
+            let first = nodes[i].first_index as usize;
+            count[i] = if nodes[i].is_leaf() { nodes[i].prim_count as usize } else { count[first] + count[first + 1] };
+        }
+        // The units that a wide node's subtree was made of, by the subtree's root.
+        let mut members: HashMap<usize, Vec<usize>> = HashMap::new();
+        let mut is_unit = vec![false; nodes.len()];
+        // A leaf of the binary tree has at most eight triangles, so that every one is in a unit.
+        mark_units(&self.tree, &count, &mut is_unit);
+        while !is_unit[0] {
+            for &i in &order {
+                let first = nodes[i].first_index as usize;
+                count[i] = if is_unit[i] {
+                    1
+                } else if nodes[i].is_leaf() {
+                    0
+                } else {
+                    count[first] + count[first + 1]
+                };
+            }
+            let below = is_unit.clone();
+            mark_units(&self.tree, &count, &mut is_unit);
+            for &i in order.iter().filter(|&&i| is_unit[i] && count[i] > 1) {
+                members.insert(i, units_below(&self.tree, i, &below));
+            }
+        }
+        if !members.contains_key(&0) {
             self.push_leaf(0);
             return;
         }
@@ -201,29 +264,16 @@ impl Bvh {
         self.nodes.push(empty_node());
         while let Some((binary, wide, level)) = todo.pop() {
             self.wide_depth = self.wide_depth.max(level);
-            let first = self.tree.nodes[binary].first_index as usize;
-            let mut members = vec![first, first + 1];
-            while members.len() < WIDTH {
-                // Open the inner member with the largest surface; the first of equals.
-                let area = |i: usize| self.tree.nodes[i].aabb().half_area();
-                let inner = (0..members.len()).filter(|&k| !self.tree.nodes[members[k]].is_leaf());
-                let Some(k) = inner.reduce(|a, b| if area(members[b]) > area(members[a]) { b } else { a }) else {
-                    break;
-                };
-                let opened = self.tree.nodes[members[k]].first_index as usize;
-                members[k] = opened;
-                members.push(opened + 1);
-            }
-            for (lane, &member) in members.iter().enumerate() {
-                let node = self.tree.nodes[member];
-                let (min, max) = (node.aabb().min.to_array(), node.aabb().max.to_array());
-                let child = if node.is_leaf() {
-                    self.push_leaf(member) | LEAF
-                } else {
+            for (lane, &member) in members[&binary].iter().enumerate() {
+                let bounds = *self.tree.nodes[member].aabb();
+                let child = if members.contains_key(&member) {
                     self.nodes.push(empty_node());
                     todo.push((member, self.nodes.len() - 1, level + 1));
                     self.nodes.len() as u32 - 1
+                } else {
+                    self.push_leaf(member) | LEAF
                 };
+                let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
                 let slot = &mut self.nodes[wide];
                 for axis in 0..3 {
                     slot.bounds[axis][lane] = min[axis];
@@ -234,20 +284,76 @@ impl Bvh {
         }
     }
 
+    /// Adds the triangles of a subtree, at most eight, as a leaf.
     fn push_leaf(&mut self, binary: usize) -> u32 {
-        let node = self.tree.nodes[binary];
-        let mut leaf = Leaf { corners: [[[f32::NAN; WIDTH]; 3]; 3] };
-        let first = node.first_index as usize;
-        for (lane, triangle) in self.triangles[first..][..node.prim_count as usize].iter().enumerate() {
-            for (corner, point) in triangle.iter().enumerate() {
-                for (axis, value) in point.to_array().into_iter().enumerate() {
-                    leaf.corners[corner][axis][lane] = value;
+        let mut leaf = Leaf { corners: [[[0.0; WIDTH]; 3]; 3], len: 0 };
+        let mut todo = vec![binary];
+        while let Some(index) = todo.pop() {
+            let node = &self.tree.nodes[index];
+            let first = node.first_index as usize;
+            if !node.is_leaf() {
+                todo.extend([first + 1, first]);
+                continue;
+            }
+            for triangle in &self.triangles[first..][..node.prim_count as usize] {
+                for (corner, point) in triangle.iter().enumerate() {
+                    for (axis, value) in point.to_array().into_iter().enumerate() {
+                        if leaf.len == 0 {
+                            leaf.corners[corner][axis] = [value; WIDTH];
+                        } else {
+                            leaf.corners[corner][axis][leaf.len] = value;
+                        }
+                    }
                 }
+                leaf.len += 1;
             }
         }
         self.leaves.push(leaf);
         self.leaves.len() as u32 - 1
     }
+}
+
+/// The nodes of a binary tree, children before their parents.
+fn children_first(tree: &Bvh2) -> Vec<usize> {
+    let mut order = Vec::with_capacity(tree.nodes.len());
+    let mut todo = vec![0_usize];
+    while let Some(index) = todo.pop() {
+        order.push(index);
+        let node = &tree.nodes[index];
+        if !node.is_leaf() {
+            todo.extend([0, 1].map(|k| node.first_index as usize + k));
+        }
+    }
+    order.reverse();
+    order
+}
+
+/// Makes the roots of the largest subtrees of at most eight units the new units.
+fn mark_units(tree: &Bvh2, count: &[usize], is_unit: &mut [bool]) {
+    let mut todo = vec![0_usize];
+    while let Some(index) = todo.pop() {
+        let node = &tree.nodes[index];
+        // A subtree of one unit is that unit: its root stays where it is, further down.
+        if is_unit[index] || (count[index] <= WIDTH && (count[index] > 1 || node.is_leaf())) {
+            is_unit[index] = true;
+        } else {
+            todo.extend([0, 1].map(|k| node.first_index as usize + k));
+        }
+    }
+}
+
+/// The units of a subtree, in the order of the tree.
+fn units_below(tree: &Bvh2, root: usize, is_unit: &[bool]) -> Vec<usize> {
+    let mut units = vec![];
+    let mut todo = vec![root];
+    while let Some(index) = todo.pop() {
+        if is_unit[index] {
+            units.push(index);
+        } else {
+            todo.extend([1, 0].map(|k| tree.nodes[index].first_index as usize + k));
+        }
+    }
+    units
 }
 
 fn empty_node() -> WideNode {
@@ -271,23 +377,26 @@ fn depth(tree: &Bvh2) -> usize {
 
 /// The edge function of the edge a → b seen from the origin, and the sum of its terms' absolute values.
 ///
-///   n = (a + b) × (b − a) = 2 a × b;  a direction d is on the inner side of the edge if n · d ≥ 0
+///   n = m × (b − a) = a × b,  m the nearer of a and b;  a direction d is on the inner side of the edge if n · d ≥ 0
 ///
 /// `a`, `b` are relative to the ray's origin; `e` = b − a is from the positions themselves, which keeps it exact where the
-/// edge is short and far. Both operands are exactly symmetric or antisymmetric in a, b and the products commute, so
-/// that the neighbour across the edge computes exactly −n.
+/// edge is short and far. The nearer end keeps n exact where the edge is long and near, as a vertex's own edges are.
 ///
-/// Error: with u the unit roundoff, |δ(a + b)| ≤ 2u(|a| + |b|), |δe| ≤ u|e|; each product adds u, the difference u,
-/// the product with |d| ≤ 1 u, and the two sums 2u; altogether |δ(n · d)| ≤ 8u Q to first order with Q the second result,
-/// 9u with the rounding of the tolerance itself; [`EDGE_TOLERANCE`] is 12u.
+/// Error: with u the unit roundoff, |δm| ≤ u|m|, |δe| ≤ u|e|; each product adds u, the difference u, the product with
+/// |d| ≤ 1 u, and the two sums 2u; altogether |δ(n · d)| ≤ 7u Q to first order with Q the second result, 8u with the
+/// rounding of the tolerance itself; [`EDGE_TOLERANCE`] is 12u.
 #[inline(always)]
-pub(super) fn edge(a: [f32; 3], b: [f32; 3], e: [f32; 3]) -> ([f32; 3], f32) {
-    let s = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
-    let r = [a[0].abs() + b[0].abs(), a[1].abs() + b[1].abs(), a[2].abs() + b[2].abs()];
-    let n = [s[1] * e[2] - s[2] * e[1], s[2] * e[0] - s[0] * e[2], s[0] * e[1] - s[1] * e[0]];
-    let (ex, ey, ez) = (e[0].abs(), e[1].abs(), e[2].abs());
-    let q = (r[1] * ez + r[2] * ey) + (r[2] * ex + r[0] * ez) + (r[0] * ey + r[1] * ex);
-    (n, q)
+pub(super) fn edge<T: Number>(m: [T; 3], e: [T; 3], abs: impl Fn(T) -> T) -> ([T; 3], T) {
+    let n = [m[1] * e[2] - m[2] * e[1], m[2] * e[0] - m[0] * e[2], m[0] * e[1] - m[1] * e[0]];
+    let (mx, my, mz) = (abs(m[0]), abs(m[1]), abs(m[2]));
+    let (ex, ey, ez) = (abs(e[0]), abs(e[1]), abs(e[2]));
+    (n, (my * ez + mz * ey) + (mz * ex + mx * ez) + (mx * ey + my * ex))
+}
+
+/// Squared length.
+#[inline(always)]
+pub(super) fn norm_squared<T: Number>(a: [T; 3]) -> T {
+    a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
 }
 
 /// Six times the signed volume of origin and triangle (a is the first corner relative to the origin, e and f its edges to the
@@ -295,15 +404,19 @@ pub(super) fn edge(a: [f32; 3], b: [f32; 3], e: [f32; 3]) -> ([f32; 3], f32) {
 ///
 /// Positive if the face turns its back to the origin in a right-handed frame.
 #[inline(always)]
-pub(super) fn volume(a: [f32; 3], e: [f32; 3], f: [f32; 3]) -> (f32, f32) {
+pub(super) fn volume<T: Number>(a: [T; 3], e: [T; 3], f: [T; 3], abs: impl Fn(T) -> T) -> (T, T) {
     let (x0, x1) = (e[1] * f[2], e[2] * f[1]);
     let (y0, y1) = (e[2] * f[0], e[0] * f[2]);
     let (z0, z1) = (e[0] * f[1], e[1] * f[0]);
     let v = (x0 - x1) * a[0] + (y0 - y1) * a[1] + (z0 - z1) * a[2];
-    let q =
-        (x0.abs() + x1.abs()) * a[0].abs() + (y0.abs() + y1.abs()) * a[1].abs() + (z0.abs() + z1.abs()) * a[2].abs();
+    let q = (abs(x0) + abs(x1)) * abs(a[0]) + (abs(y0) + abs(y1)) * abs(a[1]) + (abs(z0) + abs(z1)) * abs(a[2]);
     (v, q)
 }
+
+/// One `f32` or a register of them.
+pub(super) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 
 /// Distance and barycentric weights where a ray from `o` meets a triangle; `d` has largest component 1.
 ///
@@ -311,14 +424,16 @@ pub(super) fn volume(a: [f32; 3], e: [f32; 3], f: [f32; 3]) -> (f32, f32) {
 fn intersect(triangle: &[Vec3A; 3], o: Vec3A, d: Vec3A) -> Option<[f32; 4]> {
     let p = triangle.map(|v| (v - o).to_array());
     let e = [0, 1, 2].map(|k: usize| (triangle[(k + 1) % 3] - triangle[k]).to_array());
-    let (six_volume, volume_terms) = volume(p[0], e[0], e[1]);
+    let (six_volume, volume_terms) = volume(p[0], e[0], e[1], f32::abs);
     if six_volume.abs() <= EDGE_TOLERANCE * volume_terms {
         return None;
     }
     let side = six_volume.signum();
     let mut weights = [0.0; 3];
     for k in 0..3 {
-        let (n, q) = edge(p[k], p[(k + 1) % 3], e[k]);
+        let (a, b) = (p[k], p[(k + 1) % 3]);
+        let nearer = if norm_squared(b) < norm_squared(a) { b } else { a };
+        let (n, q) = edge(nearer, e[k], f32::abs);
         let value = side * (n[0] * d.x + n[1] * d.y + n[2] * d.z);
         if !(value >= -EDGE_TOLERANCE * q) {
             return None;
@@ -326,6 +441,10 @@ fn intersect(triangle: &[Vec3A; 3], o: Vec3A, d: Vec3A) -> Option<[f32; 4]> {
         weights[(k + 2) % 3] = value.max(0.0);
     }
     let sum = weights[0] + weights[1] + weights[2];
-    let t = 2.0 * six_volume.abs() / sum;
+    // Along a face the weights' sum, which is the slant but for rounding, at least has the right sign.
+    let slant = (e[0][1] * e[1][2] - e[0][2] * e[1][1]) * d.x
+        + (e[0][2] * e[1][0] - e[0][0] * e[1][2]) * d.y
+        + (e[0][0] * e[1][1] - e[0][1] * e[1][0]) * d.z;
+    let t = six_volume.abs() / if side * slant > 0.0 { side * slant } else { sum };
     t.is_finite().then(|| [t, weights[0] / sum, weights[1] / sum, weights[2] / sum])
 }

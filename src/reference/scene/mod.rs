@@ -1,4 +1,7 @@
-//! Twins of `scene`.
+//! Naive twins of [`scene`](crate::scene).
 
 pub mod brdf;
 pub mod ground_truth;
+mod visibility;
+
+pub use visibility::{closest_hit, occluded};

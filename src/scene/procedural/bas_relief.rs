@@ -56,23 +56,23 @@ fn height(x: f64, z: f64) -> f64 {
     // 24 beads between the rings.
     let sector = (angle * 24.0 / TAU).rem_euclid(1.0) - 0.5;
     let bead = (sector * TAU / 24.0 * 0.83).hypot(r - 0.83);
-    let beads = 0.09 * (1.0 - (bead / 0.06).powi(2)).max(0.0).sqrt().min(1.0) * step(0.0, 0.1, 1.0 - bead / 0.06);
+    let beads = 0.08 * (1.0 - (bead / 0.06).powi(2)).max(0.0);
     // Two rows of eight petals, each with a vein.
     let petal = |turn: f64, length: f64, width: f64| {
         let a = ((angle + turn) * 8.0 / TAU).rem_euclid(1.0) - 0.5;
         let across = a * TAU / 8.0 * r / (width * (r / length * (1.0 - (r / length).powi(3))).max(0.0).sqrt() + 1e-3);
-        let body = (1.0 - across * across).max(0.0).sqrt() * step(0.0, 0.08, 1.0 - r / length);
+        let body = (1.0 - across * across).max(0.0) * step(0.0, 0.12, 1.0 - r / length);
         body * (1.0 - 0.25 * ridge(across, 0.25)) * (0.4 + 0.6 * (r / length).min(1.0))
     };
     let outer = 0.12 * petal(TAU / 16.0, 0.66, 0.17);
     let inner = 0.17 * petal(0.0, 0.42, 0.13);
-    let heart = 0.19 * (1.0 - (r / 0.14).powi(2)).max(0.0).sqrt();
+    let heart = 0.19 * (1.0 - (r / 0.14).powi(2)).max(0.0);
     // Leaves along the diagonals.
     let (along, aside) = ((x.abs() + z.abs()) / 2_f64.sqrt(), (x.abs() - z.abs()) / 2_f64.sqrt());
     let reach = ((along - 1.02) / 0.36).clamp(0.0, 1.0);
     let width = 0.16 * (reach * (1.0 - reach)).sqrt() * 2.0 + 1e-3;
     let leaf = 0.08
-        * (1.0 - (aside / width).powi(2)).max(0.0).sqrt()
+        * (1.0 - (aside / width).powi(2)).max(0.0)
         * (1.0 - 0.3 * ridge(aside, 0.02))
         * (1.0 + 0.12 * (40.0 * (along - aside.abs())).sin());
     outer.max(inner).max(heart).max(ring).max(beads).max(leaf * step(0.0, 0.05, reach)).max(frame)

@@ -121,14 +121,14 @@ impl Procedural {
         let fov = 36_f64.to_radians();
         match self {
             Self::TorusKnotOnFloor => {
-                (&["floor", "knot"], Vector3::new(2.1, 3.1, 6.2), Vector3::new(0.05, 1.02, 0.0), fov)
+                (&["floor", "knot"], Vector3::new(2.5, 3.1, 6.6), Vector3::new(0.0, 0.92, 0.0), fov)
             }
             Self::StackedSpheres => {
-                (&["floor", "spheres", "beads"], Vector3::new(2.6, 3.0, 5.6), Vector3::new(0.0, 0.75, 0.0), fov)
+                (&["floor", "spheres", "beads"], Vector3::new(2.9, 3.3, 6.3), Vector3::new(0.0, 0.7, 0.0), fov)
             }
             Self::Table => (
                 &["floor", "table", "chairs", "railing", "fruit"],
-                Vector3::new(2.5, 2.3, 3.6),
+                Vector3::new(2.6, 2.5, 4.1),
                 Vector3::new(0.0, 0.42, -0.1),
                 fov,
             ),

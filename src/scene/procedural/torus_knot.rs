@@ -14,7 +14,7 @@ const SUNK: f64 = 0.012;
 
 pub(super) fn tessellate(builder: &mut Builder, spacing: f64) {
     builder.part(0);
-    builder.floor(2.6, 0.12, 1.15 * spacing);
+    builder.floor(2.3, 0.12, 1.15 * spacing);
     builder.part(1);
     let lowest = (0..4096).map(|i| curve(i as f64 / 4096.0).y).fold(f64::INFINITY, f64::min);
     let lift = Vector3::y() * (SHAPE[2] - SUNK - lowest);
@@ -33,8 +33,8 @@ fn curve(t: f64) -> Vector3<f64> {
     let (s3, c3) = (3.0 * TAU * t).sin_cos();
     let (s2, c2) = (2.0 * TAU * t).sin_cos();
     let r = SHAPE[0] + SHAPE[1] * c3;
-    // Turned by a quarter so that it stands on two of its loops.
-    Vector3::new(r * s2, -r * c2, SHAPE[1] * s3)
+    // Turned so that it stands on two of its three loops.
+    Vector3::new(r * s2, r * c2, SHAPE[1] * s3)
 }
 
 /// Tangent, normal, binormal. The knot's curvature has no zero, so that Frenet's frame closes.

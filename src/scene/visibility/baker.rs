@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use nalgebra::Vector3;
 
 use super::live::LiveRays;
-use super::trace::{View, Waiting, occluded, trace_face};
+use super::trace::{TraceFace, View, Waiting, centre, occluded};
 use super::{BinaryVisibility, FractionalVisibility};
 use crate::error::check_length;
 use crate::scene::{Bvh, Mesh};
@@ -96,6 +96,7 @@ pub struct VisibilityBaker {
     grid: CubeGrid,
     centres: Vec<f64>,
     centres_f32: Vec<f32>,
+    arch: pulp::Arch,
 }
 
 /// What does not depend on the grid.
@@ -140,8 +141,8 @@ impl VisibilityBaker {
 
     fn on(scene: Arc<Scene>, grid: CubeGrid) -> Self {
         let centres: Vec<f64> = (0..grid.side()).map(|i| grid.centre(i)).collect();
-        let centres_f32 = centres.iter().map(|&c| c as f32).collect();
-        Self { scene, grid, centres, centres_f32 }
+        let centres_f32 = (0..grid.side()).map(|i| centre(grid.side(), i)).collect();
+        Self { scene, grid, centres, centres_f32, arch: pulp::Arch::new() }
     }
 
     /// The grid of the maps.
@@ -211,24 +212,19 @@ impl VisibilityBaker {
         let VisibilityScratch { live, stack } = scratch;
         check_length("side of the scratch's grid", self.grid.side(), live.side());
         let mut rays = 0;
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for face in Face::ALL {
-                    let normal = face.axes().map(|axis| Vector3::from(axis).dot(&normal));
-                    let above = live.keep_above(normal, &self.centres);
-                    if above == 0 {
-                        continue;
-                    }
-                    rays += above;
-                    if !far {
-                        let view = View::new(face, origin, self.grid.side(), scene.back_faces);
-                        trace_face(&scene.bvh, &view, live, &self.centres_f32, stack);
-                    }
-                    done(face as usize, live);
-                }
-            },
-        );
+        for face in Face::ALL {
+            let normal = face.axes().map(|axis| Vector3::from(axis).dot(&normal));
+            let above = live.keep_above(normal, &self.centres);
+            if above == 0 {
+                continue;
+            }
+            rays += above;
+            if !far {
+                let view = View::new(face, origin, self.grid.side(), scene.back_faces);
+                self.arch.dispatch(TraceFace { bvh: &scene.bvh, view, live, centres: &self.centres_f32, stack });
+            }
+            done(face as usize, live);
+        }
         rays
     }
 

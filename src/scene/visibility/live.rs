@@ -70,10 +70,16 @@ impl LiveRays {
             .any(|y| (first / 64..end.div_ceil(64)).any(|w| self.rows[y * self.stride + w] & run(first, end, w) != 0))
     }
 
-    /// The words of a row.
+    /// Kills the texels first..end of row y.
     #[inline(always)]
-    pub(super) fn row_mut(&mut self, y: usize) -> &mut [u64] {
-        &mut self.rows[y * self.stride..][..self.stride]
+    pub(super) fn kill(&mut self, y: usize, first: usize, end: usize) {
+        if self.stride == 1 {
+            self.rows[y] &= !run(first, end, 0);
+            return;
+        }
+        for w in first / 64..end.div_ceil(64) {
+            self.rows[y * self.stride + w] &= !run(first, end, w);
+        }
     }
 
     /// Packs the rows without padding into `words`, which must be zero: bit y · side + x.
@@ -107,7 +113,7 @@ impl LiveRays {
 
 /// The bits of word `w` that belong to the columns first..end.
 #[inline(always)]
-pub(super) fn run(first: usize, end: usize, w: usize) -> u64 {
+fn run(first: usize, end: usize, w: usize) -> u64 {
     let (first, end) = (first.saturating_sub(w * 64).min(64), end.saturating_sub(w * 64).min(64));
     let below = |n: usize| if n < 64 { (1_u64 << n) - 1 } else { u64::MAX };
     below(end) & !below(first)

@@ -8,8 +8,9 @@
 mod baker;
 mod binary;
 mod fractional;
+mod lanes;
 mod live;
-mod trace;
+pub mod trace;
 
 pub use baker::{BackFaces, VisibilityBaker, VisibilityScratch, VisibilitySettings};
 pub use binary::BinaryVisibility;
