@@ -105,3 +105,8 @@ pub use nalgebra;
 #[cfg(feature = "scene")]
 pub use progress::Progress;
 pub use real::Real;
+
+/// The README's code is a test too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
