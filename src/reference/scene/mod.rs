@@ -1,0 +1,5 @@
+//! Naive twins of [`scene`](crate::scene).
+
+mod visibility;
+
+pub use visibility::{closest_hit, occluded};
