@@ -1,59 +1,90 @@
-//! Visibility of the built-in 100k-vertex scenes: the tracer that takes all rays of a vertex at once, and one ray at a time
-//! through the same hierarchy. Throughput is in rays (texels above the horizon), one core.
+//! Visibility of one vertex at 64² texels a face: rays a second on the built-in scenes of 100,000 vertices.
+//!
+//! `faces`: the baker, which traces a face of the cube at once. `ray`: the crate's single rays, one a texel above the
+//! horizon. `obvhs-cwbvh`: the peer's eight-wide hierarchy with its own triangle test, any hit.
 
 use std::hint::black_box;
+use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haarmonic::scene::{Procedural, VisibilityBaker, VisibilitySettings};
+use glam::Vec3A;
+use haarmonic::nalgebra::Vector3;
+use haarmonic::scene::{Model, Procedural, VisibilityBaker, VisibilitySettings};
 use haarmonic::sphere::CubeGrid;
+use obvhs::BvhBuildParams;
+use obvhs::cwbvh::builder::build_cwbvh_from_tris;
+use obvhs::ray::Ray;
+use obvhs::triangle::Triangle;
 
-/// Vertices looked at, spread over the mesh.
-const SAMPLE: usize = 256;
+/// Runs of 16 neighbours, as a bake visits them, spread over the mesh.
+fn sample(vertices: usize) -> Vec<usize> {
+    (0..vertices).step_by(vertices / 12).flat_map(|v| v..(v + 16).min(vertices)).collect()
+}
 
-fn visibility(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("visibility");
+/// Origin and directions of every ray.
+fn rays(model: &Model, baker: &VisibilityBaker) -> Vec<(Vector3<f64>, Vec<Vector3<f64>>)> {
+    let directions = baker.grid().directions();
+    let one = |v: usize| {
+        let normal = model.mesh.normals()[v].cast::<f64>();
+        let above = directions.iter().filter(|d| normal.dot(d) > 0.0).map(|d| d.into_inner()).collect();
+        (baker.origin(v), above)
+    };
+    sample(baker.vertices()).into_iter().map(one).collect()
+}
+
+fn visibility(c: &mut Criterion) {
     for scene in Procedural::ALL {
-        let model = scene.build(100_000).expect("the size is allowed");
-        let n = model.mesh.positions().len();
-        let sample: Vec<usize> = (0..SAMPLE).map(|i| i * n / SAMPLE).collect();
-        for side in [16, 64] {
-            let grid = CubeGrid::new(side).expect("the side is allowed");
-            let baker =
-                VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("the mesh is sound");
-            let mut words = vec![0; baker.words_per_vertex()];
-            let mut scratch = baker.scratch();
-            let mut bake = |vertex: usize| {
-                words.fill(0);
-                baker.bake_vertex_with_scratch(vertex, &mut words, &mut scratch)
-            };
-            let rays: u64 = sample.iter().map(|&v| bake(v)).sum();
-            group.throughput(Throughput::Elements(rays));
-            group.bench_function(BenchmarkId::new(format!("{}/all_at_once", scene.name()), side), |b| {
-                b.iter(|| sample.iter().map(|&v| black_box(bake(v))).sum::<u64>());
+        let model = scene.build(100_000).unwrap();
+        let grid = CubeGrid::new(64).unwrap();
+        let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).unwrap();
+        let rays = rays(&model, &baker);
+        let count: usize = rays.iter().map(|(_, directions)| directions.len()).sum();
+        let mut group = c.benchmark_group("visibility");
+        group.sample_size(10).throughput(Throughput::Elements(count as u64));
+        group.warm_up_time(Duration::from_secs(1)).measurement_time(Duration::from_secs(4));
+
+        let (mut words, mut scratch) = (vec![0; baker.words_per_vertex()], baker.scratch());
+        let vertices = sample(baker.vertices());
+        group.bench_function(BenchmarkId::new("faces", scene.name()), |b| {
+            b.iter(|| {
+                for &vertex in &vertices {
+                    baker.bake_vertex_with_scratch(vertex, &mut words, &mut scratch);
+                    black_box(&words);
+                }
             });
-        }
-        // One ray at a time is slow: 16 vertices at side 16.
-        let grid = CubeGrid::new(16).expect("the side is allowed");
-        let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("the mesh is sound");
-        let rays: Vec<_> = (0..16)
-            .map(|i| i * n / 16)
-            .flat_map(|v| {
-                let normal = model.mesh.normals()[v].cast::<f64>();
-                let origin = baker.origin(v);
-                grid.directions().into_iter().filter(move |d| normal.dot(d) > 0.0).map(move |d| (origin, d))
-            })
-            .collect();
-        group.throughput(Throughput::Elements(rays.len() as u64));
-        group.bench_function(BenchmarkId::new(format!("{}/ray_by_ray", scene.name()), 16), |b| {
-            b.iter(|| rays.iter().filter(|(origin, d)| baker.bvh().any_hit(origin, d)).count());
         });
+        group.bench_function(BenchmarkId::new("ray", scene.name()), |b| {
+            b.iter(|| {
+                let hits = |(origin, directions): &(Vector3<f64>, Vec<Vector3<f64>>)| {
+                    directions.iter().filter(|d| baker.bvh().any_hit(origin, d)).count()
+                };
+                rays.iter().map(hits).sum::<usize>()
+            });
+        });
+
+        let vec3a = |v: &Vector3<f64>| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
+        let triangle = |f: usize| {
+            let [v0, v1, v2] = model.mesh.corners(f).map(|p| vec3a(&p.cast()));
+            Triangle { v0, v1, v2 }
+        };
+        let triangles: Vec<_> = (0..model.mesh.faces().len()).map(triangle).collect();
+        let peer = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
+        let triangles: Vec<_> = peer.primitive_indices.iter().map(|&i| triangles[i as usize]).collect();
+        group.bench_function(BenchmarkId::new("obvhs-cwbvh", scene.name()), |b| {
+            b.iter(|| {
+                let hits = |(origin, directions): &(Vector3<f64>, Vec<Vector3<f64>>)| {
+                    let hit = |d: &&Vector3<f64>| {
+                        let ray = Ray::new_inf(vec3a(origin), vec3a(d));
+                        !peer.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
+                    };
+                    directions.iter().filter(hit).count()
+                };
+                rays.iter().map(hits).sum::<usize>()
+            });
+        });
+        group.finish();
     }
-    group.finish();
 }
 
-criterion_group! {
-    name = benches;
-    config = Criterion::default().sample_size(10);
-    targets = visibility
-}
+criterion_group!(benches, visibility);
 criterion_main!(benches);

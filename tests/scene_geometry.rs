@@ -270,7 +270,8 @@ fn rays_that_are_none_hit_nothing() {
         assert_eq!(bvh.closest_hit(&inside, &direction), None);
         assert!(!bvh.any_hit(&inside, &direction));
     }
-    assert_eq!(bvh.closest_hit(&Vector3::repeat(f64::NAN), &Vector3::x()), None);
+    assert_eq!(bvh.closest_hit(&Vector3::new(0.0, f64::NAN, 0.0), &Vector3::x()), None);
+    assert_eq!(bvh.closest_hit(&inside, &Vector3::new(1.0, f64::NAN, 0.0)), None);
     assert_eq!(bvh.closest_hit(&Vector3::repeat(1e300), &-Vector3::x()), None);
     let far = bvh.closest_hit(&Vector3::new(0.0, 1e5, 0.05), &-Vector3::y()).unwrap();
     // The pile is 1.7 high; a distant origin costs no accuracy.

@@ -5,7 +5,11 @@
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
 mod haar;
+#[cfg(feature = "scene")]
+mod scene;
 mod sphere;
 
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
+#[cfg(feature = "scene")]
+pub use scene::{procedural, triangle_soup};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};

@@ -52,7 +52,7 @@ impl BinaryVisibility {
     /// [`Error::Length`] unless `words` is a whole number of vertices; [`Error::OutOfRange`] if a spare bit is set.
     pub fn new(grid: CubeGrid, words: Vec<u64>) -> Result<Self> {
         let per_face = Self::words_per_face(grid);
-        if words.len() % (6 * per_face) != 0 {
+        if !words.len().is_multiple_of(6 * per_face) {
             let expected = words.len().next_multiple_of(6 * per_face);
             return Err(Error::Length { what: "visibility words", expected, got: words.len() });
         }

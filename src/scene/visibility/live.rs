@@ -84,7 +84,7 @@ impl LiveRays {
 
     /// Packs the rows without padding into `words`, which must be zero: bit y · side + x.
     pub(super) fn pack(&self, words: &mut [u64]) {
-        if self.side % 64 == 0 {
+        if self.side.is_multiple_of(64) {
             words.copy_from_slice(&self.rows);
             return;
         }
@@ -92,7 +92,7 @@ impl LiveRays {
             for (w, &bits) in row.iter().enumerate() {
                 let at = y * self.side + w * 64;
                 words[at / 64] |= bits << (at % 64);
-                if at % 64 != 0 && bits >> (64 - at % 64) != 0 {
+                if !at.is_multiple_of(64) && bits >> (64 - at % 64) != 0 {
                     words[at / 64 + 1] |= bits >> (64 - at % 64);
                 }
             }

@@ -335,20 +335,20 @@ impl Triangle {
                     while from > first && n * centres[from - 1] + base >= 0.0 {
                         from -= 1;
                     }
-                    while from < end && !(n * centres[from] + base >= 0.0) {
+                    while from < end && n * centres[from] + base < 0.0 {
                         from += 1;
                     }
                     first = from;
                 } else if n < 0.0 {
                     let mut to = guess.min(end).max(first);
-                    while to > first && !(n * centres[to - 1] + base >= 0.0) {
+                    while to > first && n * centres[to - 1] + base < 0.0 {
                         to -= 1;
                     }
                     while to < end && n * centres[to] + base >= 0.0 {
                         to += 1;
                     }
                     end = to;
-                } else if !(base >= 0.0) {
+                } else if base < 0.0 {
                     end = first;
                 }
                 if first >= end {
