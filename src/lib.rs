@@ -6,6 +6,7 @@
 //! | module | holds | feature |
 //! |---|---|---|
 //! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
+//! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
 #![cfg_attr(
@@ -86,6 +87,7 @@ mod error;
 mod progress;
 mod real;
 
+pub mod affine;
 #[cfg(feature = "wavelet")]
 pub mod backend;
 pub mod haar;

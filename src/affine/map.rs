@@ -1,0 +1,89 @@
+//! v ↦ s v + o.
+
+use crate::{Error, Result};
+
+/// The affine map v ↦ s·v + o of one axis, s ≠ 0: a signal F seen through it is F(s v + o).
+///
+/// Both numbers are `f64` whatever the scalar of the signal: a map costs nothing, and the couplings of a small s need it.
+///
+/// # Example
+/// ```
+/// use haarmonic::affine::AffineMap;
+/// let half = AffineMap::new(0.5, 0.25)?; // the middle half, drawn twice as large
+/// assert_eq!(half.apply(1.0), 0.75);
+/// assert_eq!(half.inverse().apply(0.75), 1.0);
+/// assert!(AffineMap::new(0.0, 0.0).is_err());
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AffineMap {
+    scale: f64,
+    offset: f64,
+}
+
+impl AffineMap {
+    /// v ↦ v.
+    pub const IDENTITY: Self = Self { scale: 1.0, offset: 0.0 };
+
+    /// The map of scale s and offset o.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless 1e-100 ≤ |s| ≤ 1e100 and |o| ≤ 1e100, NaN included: nothing can overflow inside that.
+    pub fn new(scale: f64, offset: f64) -> Result<Self> {
+        if !(1e-100..=1e100).contains(&scale.abs()) {
+            let allowed = "not zero: 1e-100 ≤ |s| ≤ 1e100";
+            return Err(Error::OutOfRange { what: "scale of an affine map", got: scale, allowed });
+        }
+        if !(offset.abs() <= 1e100) {
+            let allowed = "finite: |o| ≤ 1e100";
+            return Err(Error::OutOfRange { what: "offset of an affine map", got: offset, allowed });
+        }
+        Ok(Self { scale, offset })
+    }
+
+    /// s.
+    #[inline]
+    pub fn scale(self) -> f64 {
+        self.scale
+    }
+
+    /// o.
+    #[inline]
+    pub fn offset(self) -> f64 {
+        self.offset
+    }
+
+    /// s v + o, rounded twice.
+    #[inline]
+    pub fn apply(self, v: f64) -> f64 {
+        self.scale * v + self.offset
+    }
+
+    /// (x − o)/s: the v that goes to x.
+    #[inline]
+    pub fn solve(self, x: f64) -> f64 {
+        (x - self.offset) / self.scale
+    }
+
+    /// x ↦ (x − o)/s.
+    #[inline]
+    pub fn inverse(self) -> Self {
+        Self { scale: self.scale.recip(), offset: -self.offset / self.scale }
+    }
+
+    /// v ↦ `outer`(self(v)): F(outer(v)), seen through `self`.
+    ///
+    /// Transformed signals of finite resolution do not chain (each is a projection of its own): compose the maps first.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), where the composition leaves the range.
+    pub fn then(self, outer: Self) -> Result<Self> {
+        Self::new(outer.scale * self.scale, outer.scale * self.offset + outer.offset)
+    }
+}
+
+impl Default for AffineMap {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
