@@ -1,7 +1,15 @@
 //! Affine wavelets: what a Haar signal becomes when it is scaled and moved, without leaving the wavelet basis.
 
+mod atom;
 mod canonical;
+mod coupling;
 mod map;
+mod steps;
 
+pub use atom::Atom;
 pub use canonical::{Mother, canonical, canonical_batch, canonical_gradient, canonical_slope};
+pub use coupling::{
+    Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
+    coupling_nonstandard, coupling_standard,
+};
 pub use map::AffineMap;
