@@ -4,6 +4,7 @@ mod atom;
 mod canonical;
 mod coupling;
 mod map;
+mod operator_1d;
 mod steps;
 
 pub use atom::Atom;
@@ -12,4 +13,5 @@ pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
     coupling_nonstandard, coupling_standard,
 };
-pub use map::AffineMap;
+pub use map::{AffineMap, Parameter};
+pub use operator_1d::{Operator1d, transform_1d};
