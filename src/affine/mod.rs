@@ -5,6 +5,7 @@ mod canonical;
 mod coupling;
 mod map;
 mod operator_1d;
+mod propagation;
 mod steps;
 
 pub use atom::Atom;
@@ -15,3 +16,4 @@ pub use coupling::{
 };
 pub use map::{AffineMap, Parameter};
 pub use operator_1d::{Operator1d, transform_1d};
+pub use propagation::{Axis, Propagation, PropagationScratch, PropagationSource, Route, Targets};
