@@ -143,7 +143,7 @@ fn cases() -> u32 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
 
-    // Relative: the twin's breakpoints are right to 1e-32 of the unit interval. Measured: 2 ε.
+    // Relative: the twin's breakpoints are right to 1e-32 of the unit interval. Measured: 1.3 ε.
     #[test]
     fn pixels_equal_the_twin(size in power_of_two(4), map in affine_map()) {
         for i in 0..size {
@@ -163,7 +163,7 @@ proptest! {
     // Ends at k/3 are rounded in the twin: ε/2·N.
     #[test]
     fn pixels_of_any_number_equal_the_twin(size in 1..12usize, map in affine_map()) {
-        let error = 2.0 * f64::EPSILON * size as f64 * (1.0 + map.scale().abs().recip());
+        let error = 1.0 * f64::EPSILON * size as f64 * (1.0 + map.scale().abs().recip());
         for (i, j, value) in pixel_coupling_nonzeros(size, map) {
             assert_close(value, naive::pixel_coupling(size, i, j, map), error, &format!("{i} {j} of {size}"));
         }
@@ -221,7 +221,7 @@ proptest! {
             let seen = [j, j + 1].map(|k| map.apply(k as f64 / size as f64));
             let (low, high) = (seen[0].min(seen[1]), seen[0].max(seen[1]));
             let want = (high.min(1.0) - low.max(0.0)).max(0.0) / (high - low);
-            assert_close(sum, want, 1e-12 / s.abs(), &format!("pixel {j}"));
+            assert_close(sum, want, 1e-13 / s.abs(), &format!("pixel {j}"));
         }
     }
 
@@ -240,7 +240,7 @@ proptest! {
                     let want = 2.0 * difference(h / 2.0) - difference(h);
                     let got = pixel_coupling_slope(size, i, j, map_, along);
                     let scale = 1.0 + map_.scale().abs().powi(-2);
-                    assert_close(got, want, 1e-8 * scale * size as f64, &format!("{i} {j} of {size} along {along:?}"));
+                    assert_close(got, want, 4e-9 * scale * size as f64, &format!("{i} {j} of {size} along {along:?}"));
                 }
                 let right = [[1.0, 0.0], [0.0, 1.0]].map(|along| pixel_coupling_slope(size, i, j, map_, along));
                 prop_assert_eq!(pixel_coupling_gradient(size, i, j, map_), right);
@@ -248,16 +248,16 @@ proptest! {
         }
     }
 
-    // The quadrature's own error: measured 4e-15.
+    // The quadrature's own error: measured below 4e-15 and 2e-15.
     #[test]
     fn fourier_equals_quadrature(n in -6..=6i64, p in -6..=6i64, q in -6..=6i64, s in -3.0..3.0f64, o in -7.0..7.0f64) {
         prop_assume!(s != 0.0);
         for map in [map(s, o), map((s * 2.0).round().max(0.5) / 2.0, o)] {
             let got = fourier_coupling(p, q, map);
-            assert_near(got, naive::fourier_coupling(p, q, map), 2e-14, "coupling");
+            assert_near(got, naive::fourier_coupling(p, q, map), 1e-14, "coupling");
             let got = fourier_tripling(n, p, q, map);
-            assert_near(got, naive::fourier_tripling(n, p, q, map), 1e-14, "tripling");
-            assert_near(fourier_coupling(-p, -q, map), fourier_coupling(p, q, map).conj(), 1e-15, "conjugate");
+            assert_near(got, naive::fourier_tripling(n, p, q, map), 5e-15, "tripling");
+            assert_near(fourier_coupling(-p, -q, map), fourier_coupling(p, q, map).conj(), 4e-16, "conjugate");
         }
     }
 
@@ -321,7 +321,7 @@ fn fourier_is_accurate_beside_its_zeros_and_its_peak() {
     assert_close(fourier_coupling(3, 0, map(1.0 / 3.0, 0.0)).re, -2f64.powi(-54), 1e-31, "a third");
     // A phase of many turns: 3o is rounded in f64, by up to 2e-9.
     let turns = map(1.0, TAU * 1e6);
-    assert_near(fourier_coupling(3, 3, turns), fourier_coupling(1, 1, turns).powi(3), 1e-15, "powers of the phase");
+    assert_near(fourier_coupling(3, 3, turns), fourier_coupling(1, 1, turns).powi(3), 5e-16, "powers of the phase");
     assert_eq!(fourier_coupling(1 << 40, 0, map(1e100, 1e100)), Complex::new(0.0, 0.0));
     assert_close(fourier_coupling(1 << 40, 0, map(1e-100, 1e100)).norm(), 1.0, 1e-15, "a huge phase");
 }
@@ -342,5 +342,5 @@ fn a_mirrored_signal_and_parseval() {
     let map = map(1.3, 0.2);
     let sum: f64 = (-2000..=2000).map(|q| fourier_coupling(1, q, map).norm_sqr()).sum();
     let tail = 2.0 * (PI * 1.3).sin().powi(2) / (PI * PI * 2000.5);
-    assert_close(sum, 1.0 - tail, 1e-8, "Parseval");
+    assert_close(sum, 1.0 - tail, 5e-10, "Parseval");
 }
