@@ -3,8 +3,11 @@
 mod atom;
 mod canonical;
 mod coupling;
+mod exact_sum;
+mod fourier;
 mod map;
 mod operator_1d;
+mod pixel;
 mod propagation;
 mod steps;
 
@@ -14,6 +17,13 @@ pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
     coupling_nonstandard, coupling_standard,
 };
+pub use fourier::{
+    fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
+};
 pub use map::{AffineMap, Parameter};
 pub use operator_1d::{Operator1d, transform_1d};
+pub use pixel::{
+    pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
+    pixel_tripling, pixel_tripling_nonzeros,
+};
 pub use propagation::{Axis, Propagation, PropagationScratch, PropagationSource, Route, Targets};
