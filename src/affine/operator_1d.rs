@@ -1,13 +1,11 @@
 //! The affine map of a whole 1D signal, as a sparse matrix of couplings.
 
-use pulp::{Arch, Simd, WithSimd};
-
 use super::coupling::levels_of;
-use super::steps::{ROW, ROW_LEVELS, Steps};
+use super::steps::{Steps, row_room};
 use super::{AffineMap, Atom, Parameter};
 use crate::error::check_length;
 use crate::haar::SparseVector;
-use crate::{Error, Real, Result};
+use crate::{Real, Result};
 
 /// F(s v + o) of 1D Haar signals: L_k = Σ_i F_i D_ik(s, o)                          [Sun 2008, eq. 4.35].
 ///
@@ -36,21 +34,16 @@ pub struct Operator1d<T> {
     start: Vec<u32>,
     target: Vec<u32>,
     value: Vec<T>,
-    arch: Arch,
 }
 
 impl<T: Real> Operator1d<T> {
     /// The operator of signals of `size` coefficients under `map`.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2²⁰.
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `size` is one.
     pub fn new(size: usize, map: AffineMap) -> Result<Self> {
         let levels = levels_of("size of a signal", size)?;
-        if levels > ROW_LEVELS {
-            let allowed = "at most 1048576";
-            return Err(Error::OutOfRange { what: "size of a signal", got: size as f64, allowed });
-        }
-        let mut operator = Self { levels, start: Vec::new(), target: Vec::new(), value: Vec::new(), arch: Arch::new() };
+        let mut operator = Self { levels, start: Vec::new(), target: Vec::new(), value: Vec::new() };
         operator.set(map);
         Ok(operator)
     }
@@ -80,8 +73,20 @@ impl<T: Real> Operator1d<T> {
     /// Turns to another map, in the memory that is there.
     pub fn set(&mut self, map: AffineMap) {
         self.clear();
-        let Self { levels, start, target, value, arch } = self;
-        arch.dispatch(Rows { levels: *levels, map, start, target, value });
+        let room = row_room(self.levels);
+        let mut filled = 0;
+        for i in 0..self.size() {
+            // Twice the room at a time: the lists grow rarely and never beyond what some map needs.
+            if self.value.len() < filled + room {
+                self.target.resize(2 * (filled + room), 0);
+                self.value.resize(2 * (filled + room), T::zero());
+            }
+            let steps = Steps::of_source(Atom::from_flat(i), map);
+            filled += steps.write_basis(self.levels, &mut self.target[filled..], &mut self.value[filled..]);
+            self.start.push(filled as u32);
+        }
+        self.target.truncate(filled);
+        self.value.truncate(filled);
     }
 
     /// Turns to the derivative ∂D/∂s or ∂D/∂o of a map's operator, right-hand at kinks.
@@ -163,32 +168,6 @@ impl<T: Real> Operator1d<T> {
     }
 }
 
-/// All rows of an operator, appended to its lists.
-struct Rows<'a, T> {
-    levels: u32,
-    map: AffineMap,
-    start: &'a mut Vec<u32>,
-    target: &'a mut Vec<u32>,
-    value: &'a mut Vec<T>,
-}
-
-impl<T: Real> WithSimd for Rows<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Self { levels, map, start, target, value } = self;
-        let (mut row_index, mut row_value) = ([0; ROW], [0.0; ROW]);
-        for i in 0..1 << levels {
-            let steps = Steps::of_source(Atom::from_flat(i), map);
-            let len = steps.write_basis(levels, &mut row_index, &mut row_value);
-            target.extend_from_slice(&row_index[..len]);
-            value.extend(row_value[..len].iter().map(|&d| T::of(d)));
-            start.push(value.len() as u32);
-        }
-    }
-}
-
 #[inline(always)]
 fn push<T: Real>(target: &mut Vec<u32>, value: &mut Vec<T>, j: usize, d: f64) {
     target.push(j as u32);
@@ -198,7 +177,7 @@ fn push<T: Real>(target: &mut Vec<u32>, value: &mut Vec<T>, j: usize, d: f64) {
 /// F(s v + o) of the coefficients of a 1D signal: the one-shot form of [`Operator1d`].
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless the number of coefficients is one.
+/// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo)(crate::Error::NotPowerOfTwo) unless the number of coefficients is one.
 pub fn transform_1d<T: Real>(source: &[T], map: AffineMap) -> Result<Vec<T>> {
     let operator = Operator1d::new(source.len(), map)?;
     let mut target = vec![T::zero(); source.len()];

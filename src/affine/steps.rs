@@ -11,6 +11,7 @@
 
 use super::atom::{Atom, power, root_power};
 use super::{AffineMap, Mother, Parameter};
+use crate::Real;
 
 /// An atom seen through a map (or its inverse): −h_k at b_k, ascending, times `amplitude`.
 #[derive(Debug, Clone, Copy)]
@@ -36,9 +37,11 @@ struct Grid {
 const BITS: u32 = 62;
 const UNIT: i64 = 1 << BITS;
 
-/// The longest row that [`Steps::write_basis`] writes, and the most levels that fit.
-pub(super) const ROW: usize = 64;
-pub(super) const ROW_LEVELS: u32 = 20;
+/// The room for a row that [`Steps::write_basis`] writes: three functions a level, the mean, and a place beyond the end.
+#[inline(always)]
+pub(super) fn row_room(levels: u32) -> usize {
+    3 * levels as usize + 2
+}
 
 impl Grid {
     #[inline(always)]
@@ -129,18 +132,20 @@ impl Steps {
         }
     }
 
-    /// Writes what [`basis`](Self::basis) visits; returns the number. For [`ROW_LEVELS`] levels at most.
+    /// Writes what [`basis`](Self::basis) visits to the front of `index` and `value`; returns the number. Both have at least
+    /// [`row_room`] places.
     #[inline(always)]
-    pub(super) fn write_basis(&self, levels: u32, index: &mut [u32; ROW], value: &mut [f64; ROW]) -> usize {
-        let (grid, mean) = (&self.grid, self.mean());
-        (index[0], value[0]) = (0, mean);
+    pub(super) fn write_basis<T: Real>(&self, levels: u32, index: &mut [u32], value: &mut [T]) -> usize {
+        let room = row_room(levels);
+        let (index, value) = (&mut index[..room], &mut value[..room]);
+        let mean = self.mean();
+        (index[0], value[0]) = (0, T::of(mean));
         let mut len = usize::from(mean != 0.0);
-        for level in grid.first..levels {
+        for level in self.grid.first..levels {
             let scale = self.amplitude * Grid::scale(level);
-            for (cell, coupling) in grid.met(level) {
-                let at = len & (ROW - 1); // below ROW as it is
-                (index[at], value[at]) = ((1 << level) + cell as u32, scale * coupling as f64);
-                len += usize::from(coupling != 0);
+            for (cell, sum) in self.grid.met(level) {
+                (index[len], value[len]) = ((1 << level) + cell as u32, T::of(scale * sum as f64));
+                len += usize::from(sum != 0);
             }
         }
         len

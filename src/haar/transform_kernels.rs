@@ -178,7 +178,7 @@ fn synthesise_pyramid<T: Real>(levels: u32, coefs: &[T], pyramid: &mut [T]) {
 
 /// Nonstandard transform of 2^levels squared samples; `pyramid` (levels 0..levels) is filled with the means.
 #[inline(always)]
-pub(super) fn nonstandard_forward<T: Real>(levels: u32, src: &[T], dst: &mut [T], pyramid: &mut [T]) {
+pub(crate) fn nonstandard_forward<T: Real>(levels: u32, src: &[T], dst: &mut [T], pyramid: &mut [T]) {
     let Some(last) = levels.checked_sub(1) else { return dst.copy_from_slice(src) };
     let quarter = 1 << (2 * last);
     analyse_level(last, src, &mut pyramid[pyramid_offset(last)..][..quarter], &mut dst[quarter..]);

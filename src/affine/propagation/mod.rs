@@ -340,32 +340,18 @@ impl<T: Real> Propagation<T> {
         let (levels, decomposition) = (self.levels, self.decomposition());
         let area = self.side() * self.side();
         planes.resize(2 * area, T::zero());
-        result.resize(area, T::zero());
         transform.resize(self.transform.scratch_len(), T::zero());
-        for (plane, out) in source.pixels.chunks_exact(area).zip(out) {
-            let image = match targets.chosen {
-                None => &mut *out,
-                Some(_) => &mut result[..area],
-            };
-            let bands = &mut *bands;
-            let scratch = &mut planes[..];
-            self.arch.dispatch(Resample {
-                levels,
-                decomposition,
-                maps,
-                weights,
-                bands,
-                source: plane,
-                out: image,
-                scratch,
-            });
-            if decomposition == Decomposition::Nonstandard {
-                self.transform.forward_in_place(image, transform);
-            }
-            if let Some(chosen) = &targets.chosen {
-                for (out, &k) in out.iter_mut().zip(&chosen.index) {
-                    *out = result[k as usize];
-                }
+        let mut run = |out: [&mut [T]; C]| {
+            let scratch = (&mut planes[..], &mut transform[..]);
+            let source = &source.pixels;
+            self.arch.dispatch(Resample { levels, decomposition, maps, weights, bands, source, out, scratch });
+        };
+        let Some(chosen) = &targets.chosen else { return run(out) };
+        result.resize(C * area, T::zero());
+        run(planes_of(result, area));
+        for (plane, out) in result.chunks_exact(area).zip(out) {
+            for (out, &k) in out.iter_mut().zip(&chosen.index) {
+                *out = plane[k as usize];
             }
         }
     }

@@ -7,8 +7,8 @@ use crate::Real;
 use crate::affine::AffineMap;
 use crate::haar::{Decomposition, transform_kernels as kernels};
 
-/// Image after image: transposed source pixels to coefficients or, nonstandard, to pixels.
-pub(super) struct Resample<'a, T> {
+/// Image after image: transposed source pixels to coefficients.
+pub(super) struct Resample<'a, T, const C: usize> {
     pub(super) levels: u32,
     pub(super) decomposition: Decomposition,
     pub(super) maps: [AffineMap; 2],
@@ -16,24 +16,23 @@ pub(super) struct Resample<'a, T> {
     pub(super) bands: &'a mut [Band<T>; 2],
     /// Planes of the source, pixel (x, y) at x·side + y.
     pub(super) source: &'a [T],
-    /// Planes of the result.
-    pub(super) out: &'a mut [T],
-    /// Two planes.
-    pub(super) scratch: &'a mut [T],
+    pub(super) out: [&'a mut [T]; C],
+    /// Two planes, and a mean pyramid.
+    pub(super) scratch: (&'a mut [T], &'a mut [T]),
 }
 
-impl<T: Real> WithSimd for Resample<'_, T> {
+impl<T: Real, const C: usize> WithSimd for Resample<'_, T, C> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { levels, decomposition, maps, weights, bands, source, out, scratch } = self;
+        let Self { levels, decomposition, maps, weights, bands, source, out, scratch: (planes, pyramid) } = self;
         let side = 1usize << levels;
         for axis in 0..2 {
             bands[axis].set(side, maps[axis], weights[axis]);
         }
-        let (first, second) = scratch[..2 * side * side].split_at_mut(side * side);
-        for (source, out) in source.chunks_exact(side * side).zip(out.chunks_exact_mut(side * side)) {
+        let (first, second) = planes[..2 * side * side].split_at_mut(side * side);
+        for (source, out) in source.chunks_exact(side * side).zip(out) {
             bands[0].combine(side, source, first);
             if decomposition == Decomposition::Standard {
                 // Along x while x is the slow axis: whole rows at a time.
@@ -43,7 +42,8 @@ impl<T: Real> WithSimd for Resample<'_, T> {
                 kernels::columns_forward(levels, side, second, out);
             } else {
                 transpose(side, first, second);
-                bands[1].combine(side, second, out);
+                bands[1].combine(side, second, first);
+                kernels::nonstandard_forward(levels, first, out, pyramid);
             }
         }
     }

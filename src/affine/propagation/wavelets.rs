@@ -5,13 +5,15 @@ use pulp::{Simd, WithSimd};
 use super::source::Terms;
 use super::targets::{Chosen, Targets};
 use crate::Real;
-use crate::affine::steps::{ROW, Steps};
+use crate::affine::steps::{Steps, row_room};
 use crate::affine::{AffineMap, Atom, NonzerosNonstandard};
 
 /// Couplings of the functions that occur along one axis, row by row.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Rows<T> {
-    end: Vec<u32>,
+    /// Room for each row.
+    pitch: usize,
+    len: Vec<u32>,
     index: Vec<u32>,
     value: Vec<T>,
 }
@@ -19,23 +21,27 @@ pub(super) struct Rows<T> {
 impl<T: Real> Rows<T> {
     #[inline(always)]
     fn set(&mut self, levels: u32, functions: &[u32], map: AffineMap) {
-        self.end.clear();
-        self.index.clear();
-        self.value.clear();
-        let (mut index, mut value) = ([0; ROW], [0.0; ROW]);
-        for &i in functions {
-            let len = Steps::of_source(Atom::from_flat(i as usize), map).write_basis(levels, &mut index, &mut value);
-            self.index.extend_from_slice(&index[..len]);
-            self.value.extend(value[..len].iter().map(|&d| T::of(d)));
-            self.end.push(self.index.len() as u32);
+        let pitch = row_room(levels);
+        self.pitch = pitch;
+        self.len.resize(functions.len(), 0);
+        self.index.resize(functions.len() * pitch, 0);
+        self.value.resize(functions.len() * pitch, T::zero());
+        let rows = self.index.chunks_exact_mut(pitch).zip(self.value.chunks_exact_mut(pitch));
+        for ((&i, len), (index, value)) in functions.iter().zip(&mut self.len).zip(rows) {
+            let steps = Steps::of_source(Atom::from_flat(i as usize), map);
+            *len = steps.write_basis(levels, index, value) as u32;
         }
     }
 
     #[inline(always)]
     fn row(&self, k: usize) -> (&[u32], &[T]) {
-        let begin = if k == 0 { 0 } else { self.end[k - 1] as usize };
-        let range = begin..self.end[k] as usize;
+        let range = k * self.pitch..k * self.pitch + self.len[k] as usize;
         (&self.index[range.clone()], &self.value[range])
+    }
+
+    #[inline(always)]
+    fn rows(&self) -> impl Iterator<Item = (&[u32], &[T])> {
+        (0..self.len.len()).map(|k| self.row(k))
     }
 }
 
@@ -80,7 +86,10 @@ impl<T: Real, const C: usize> WithSimd for TwoPass<'_, T, C> {
             None => all(side, &rows[1], half, out),
             Some(chosen) => {
                 by_target(side, &rows[1], reach, reach_end);
-                some(side, chosen, reach, reach_end, half, out);
+                let terms = half.len();
+                half.resize(terms + C * side, T::zero());
+                let (half, row) = half.split_at_mut(terms);
+                some(side, chosen, (reach, reach_end), half, row, out);
             }
         }
     }
@@ -91,8 +100,7 @@ impl<T: Real, const C: usize> WithSimd for TwoPass<'_, T, C> {
 fn all<T: Real, const C: usize>(side: usize, rows: &Rows<T>, half: &[T], out: [&mut [T]; C]) {
     for (c, out) in out.into_iter().enumerate() {
         out.fill(T::zero());
-        for (slot, z) in half.chunks_exact(C * side).enumerate() {
-            let (index, couplings) = rows.row(slot);
+        for (z, (index, couplings)) in half.chunks_exact(C * side).zip(rows.rows()) {
             let z = &z[c * side..][..side];
             for (&k, &d) in index.iter().zip(couplings) {
                 for (l, &z) in out[k as usize * side..][..side].iter_mut().zip(z) {
@@ -108,16 +116,17 @@ fn all<T: Real, const C: usize>(side: usize, rows: &Rows<T>, half: &[T], out: [&
 fn by_target<T: Real>(side: usize, rows: &Rows<T>, reach: &mut Vec<(u32, T)>, end: &mut Vec<u32>) {
     end.clear();
     end.resize(side + 1, 0);
-    for &k in &rows.index {
-        end[k as usize + 1] += 1;
+    for (index, _) in rows.rows() {
+        for &k in index {
+            end[k as usize + 1] += 1;
+        }
     }
     for k in 0..side {
         end[k + 1] += end[k];
     }
     reach.clear();
-    reach.resize(rows.index.len(), (0, T::zero()));
-    for slot in 0..rows.end.len() {
-        let (index, couplings) = rows.row(slot);
+    reach.resize(end[side] as usize, (0, T::zero()));
+    for (slot, (index, couplings)) in rows.rows().enumerate() {
         for (&k, &d) in index.iter().zip(couplings) {
             reach[end[k as usize] as usize] = (slot as u32, d);
             end[k as usize] += 1;
@@ -125,37 +134,56 @@ fn by_target<T: Real>(side: usize, rows: &Rows<T>, reach: &mut Vec<(u32, T)>, en
     }
 }
 
-/// The wanted L[k₂][k₁], row by row.
+/// The wanted L[k₂][k₁], row by row: a whole row at a time, unless few of it are wanted.
 #[inline(always)]
 fn some<T: Real, const C: usize>(
     side: usize,
     chosen: &Chosen,
-    reach: &[(u32, T)],
-    reach_end: &[u32],
+    (reach, reach_end): (&[(u32, T)], &[u32]),
     half: &[T],
+    row: &mut [T],
     out: [&mut [T]; C],
 ) {
     let mut begin = 0;
-    for &(row, end) in &chosen.rows {
+    for &(k, end) in &chosen.rows {
         let range = begin..end as usize;
         begin = end as usize;
-        let first = if row == 0 { 0 } else { reach_end[row as usize - 1] as usize };
-        let list = &reach[first..reach_end[row as usize] as usize];
-        for at in range {
-            let k = chosen.index[at] as usize & (side - 1);
-            let mut sum = [T::zero(); C];
-            for &(slot, d) in list {
-                let z = &half[slot as usize * C * side..][..C * side];
+        let first = if k == 0 { 0 } else { reach_end[k as usize - 1] as usize };
+        let list = &reach[first..reach_end[k as usize] as usize];
+        let wanted = &chosen.index[range.clone()];
+        let column = |k: u32| k as usize & (side - 1);
+        if wanted.len() * SINGLE < side || side < BLOCK {
+            for (&k, at) in wanted.iter().zip(range) {
                 for c in 0..C {
-                    sum[c] += d * z[c * side + k];
+                    let z = &half[c * side + column(k)..];
+                    out[c][at] = list.iter().map(|&(slot, d)| d * z[slot as usize * C * side]).sum();
                 }
             }
-            for c in 0..C {
-                out[c][at] = sum[c];
+            continue;
+        }
+        for (block, row) in row.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
+            let mut sum = [T::zero(); BLOCK];
+            for &(slot, d) in list {
+                let z: &[T; BLOCK] = &half[slot as usize * C * side + block * BLOCK..].as_chunks().0[0];
+                for x in 0..BLOCK {
+                    sum[x] += d * z[x];
+                }
+            }
+            *row = sum;
+        }
+        for c in 0..C {
+            let row = &row[c * side..][..side];
+            for (out, &k) in out[c][range.clone()].iter_mut().zip(wanted) {
+                *out = row[column(k)];
             }
         }
     }
 }
+
+/// Of a row with fewer than a SINGLE-th of its targets wanted, each is computed alone.
+const SINGLE: usize = 10;
+/// Columns at a time otherwise.
+const BLOCK: usize = 32;
 
 /// Term by term over the products of the couplings of its two factors, nonstandard basis.
 #[inline(always)]
