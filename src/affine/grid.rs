@@ -79,11 +79,15 @@ impl MapGrid {
     /// # Panics
     /// Unless `scale` and `offset` are below the resolution.
     pub fn map(&self, scale: usize, offset: usize) -> AffineMap {
-        assert!(scale < self.resolution[0] && offset < self.resolution[1], "a cell outside the grid of maps");
-        let share = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
-        let s = self.scales[0] * (self.scales[1] / self.scales[0]).powf(share(scale, self.resolution[0]));
-        let o = share(offset, self.resolution[1]) * (1.0 + s.abs()) - s.max(0.0);
-        AffineMap::new(s, o).expect("between two scales that are allowed")
+        self.within([scale, offset], [0.5; 2])
+    }
+
+    /// A map inside a cell: the shares go from 0 to 1 across it.
+    pub(super) fn within(&self, cell: [usize; 2], share: [f64; 2]) -> AffineMap {
+        assert!(cell[0] < self.resolution[0] && cell[1] < self.resolution[1], "a cell outside the grid of maps");
+        let [u, v] = [0, 1].map(|k| (cell[k] as f64 + share[k]) / self.resolution[k] as f64);
+        let s = self.scales[0] * (self.scales[1] / self.scales[0]).powf(u);
+        AffineMap::new(s, v * (1.0 + s.abs()) - s.max(0.0)).expect("between two scales that are allowed")
     }
 
     /// The cell whose centre is nearest, on the axes in which the grid is uniform.
