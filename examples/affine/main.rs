@@ -51,9 +51,9 @@ fn run(args: &Args) -> Result<(), Failure> {
 
     let bases = bases::count()?;
     println!(
-        "Non-zero couplings in different bases at s = {}, o = {}\n\n{}",
-        bases::MAP[0],
-        bases::MAP[1],
+        "Non-zero couplings and triplings in different bases
+
+{}",
         bases.table()
     );
 

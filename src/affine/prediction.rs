@@ -276,7 +276,7 @@ impl<const Q: usize> Prediction<Q> {
 /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] for a light of another length.
 pub fn mean_squares_1d(size: usize, lights: &[&[f64]]) -> Result<Vec<f64>> {
     levels_of("size of a signal", size)?;
-    mean_squares(size, lights, |i| octave(i))
+    mean_squares(size, lights, octave)
 }
 
 /// Mean squares of 2D coefficients for [`Heuristic::Power`]: over the given lights and over the wavelets of a level (of a pair of levels, in the standard basis) and kind.

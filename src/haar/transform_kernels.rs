@@ -334,7 +334,7 @@ pub(super) fn line_inverse_in_place<T: Real>(levels: u32, data: &mut [T], means:
 ///
 /// The mean of rows 2t and 2t + 1 overwrites row t, the details go where they belong.
 #[inline(always)]
-pub(super) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], coefs: &mut [T]) {
+pub(crate) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], coefs: &mut [T]) {
     for level in (0..levels).rev() {
         let w = 1usize << level;
         let scale = T::one() / root_power::<T>(level);
