@@ -99,7 +99,7 @@ fn run(args: &Args) -> Result<(), Failure> {
 }
 
 fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
-    Ok(io::save_png_srgb8(&folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
+    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
 }
 
 /// Two numbers in [0, 1) that fill the square evenly: multiples of the inverse powers of the plastic number.

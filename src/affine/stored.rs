@@ -58,7 +58,7 @@ struct Slab {
 impl StoredCouplings {
     /// Computes the couplings of signals of `size` coefficients at the centre of each cell, on all threads; the bits are the same for any number.
     ///
-    /// Cost: proportional to the non-zeros; 39 MB (N = 32, 256² cells) take about 0.1 s on two cores, where the thesis has 1.06 s for 19 MB.
+    /// Cost: proportional to the non-zeros; 39 MB (N = 32, 256² cells) take 0.07 s on two cores, where the thesis has 1.06 s for 19 MB.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one. [`Error::OutOfRange`] if it is above 256, or if the table would take more than `limit` bytes; no more
