@@ -41,7 +41,8 @@ fn textured(side: usize, seed: usize) -> Vec<f64> {
     (0..side * side).map(texel).collect()
 }
 
-// --- M in a texture -------------------------------------------------------------------------------------------------------------------
+// --- M in a texture
+// -------------------------------------------------------------------------------------------------------------------
 
 /// What a texture unit does, from the bytes and the documented addressing alone.
 fn sampled(table: &CanonicalTable, r: f64, c: f64) -> f64 {
@@ -190,7 +191,8 @@ fn odd_arguments_of_a_table() {
     }
 }
 
-// --- The grid of maps -----------------------------------------------------------------------------------------------------------------
+// --- The grid of maps
+// -----------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn a_cell_is_nearest_to_its_own_map() {
@@ -228,7 +230,8 @@ proptest! {
     }
 }
 
-// --- Stored couplings -----------------------------------------------------------------------------------------------------------------
+// --- Stored couplings
+// -----------------------------------------------------------------------------------------------------------------
 
 #[test]
 fn stored_rows_are_the_couplings_of_the_cell() {
@@ -339,7 +342,8 @@ fn the_nearest_entry_costs_what_is_documented() {
     }
 }
 
-// --- Predicted targets ----------------------------------------------------------------------------------------------------------------
+// --- Predicted targets
+// ----------------------------------------------------------------------------------------------------------------
 
 /// The φ of a light has two edges, each in one wavelet a level: 1 + 1 + 2·4 of 32.
 #[test]
@@ -545,7 +549,8 @@ fn mean_squares_are_level_by_level() {
     assert!(matches!(mean_squares_1d(2, &[&[1.0]]), Err(Error::Length { expected: 2, got: 1, .. })));
 }
 
-// --- The number of non-zeros ----------------------------------------------------------------------------------------------------------
+// --- The number of non-zeros
+// ----------------------------------------------------------------------------------------------------------
 
 fn wavelet_pairs(size: usize, map: AffineMap) -> usize {
     let mut count = 0;
@@ -553,8 +558,9 @@ fn wavelet_pairs(size: usize, map: AffineMap) -> usize {
     count
 }
 
-/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each finer level, the three that have one
-/// of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each pair of levels at the ends of the interval, k².
+/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each finer
+/// level, the three that have one of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each pair of levels
+/// at the ends of the interval, k².
 #[test]
 fn nonzeros_follow_the_law_at_their_most() {
     let near = AffineMap::new(1.0 + 2e-6, 1.7e-6).unwrap();

@@ -5,8 +5,9 @@ use crate::{Error, Result};
 
 /// Representative maps, geometric in s and uniform in the offsets at which anything of the signal is in sight.
 ///
-/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which are divided evenly at every scale. Cells are
-/// then about equally good everywhere: a step of (Δs, Δo) moves the picture on the target by (v Δs + Δo)/s.
+/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which are divided
+/// evenly at every scale. Cells are then about equally good everywhere: a step of (Δs, Δo) moves the picture on the target by (v
+/// Δs + Δo)/s.
 ///
 /// # Example
 /// ```
