@@ -5,11 +5,15 @@ mod canonical;
 mod coupling;
 mod exact_sum;
 mod fourier;
+mod grid;
 mod map;
 mod operator_1d;
 mod pixel;
+mod prediction;
 mod propagation;
 mod steps;
+mod stored;
+mod table;
 
 pub use atom::Atom;
 pub use canonical::{Mother, canonical, canonical_batch, canonical_gradient, canonical_slope};
@@ -20,10 +24,14 @@ pub use coupling::{
 pub use fourier::{
     fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
 };
+pub use grid::{MapGrid, NearestMap};
 pub use map::{AffineMap, Parameter};
 pub use operator_1d::{Operator1d, transform_1d};
 pub use pixel::{
     pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
     pixel_tripling, pixel_tripling_nonzeros,
 };
+pub use prediction::{Heuristic, Prediction, mean_squares_1d, mean_squares_2d};
 pub use propagation::{Axis, Propagation, PropagationScratch, PropagationSource, Route, Targets};
+pub use stored::{StoredCouplings, StoredOperator};
+pub use table::{CanonicalTable, Filter, Quantisation};
