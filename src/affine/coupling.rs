@@ -217,7 +217,7 @@ impl NonzerosNonstandard {
     }
 
     #[inline(always)]
-    fn products(self, [x, y]: [Steps; 2], mut visit: impl FnMut(usize, f64)) {
+    pub(super) fn products(self, [x, y]: [Steps; 2], mut visit: impl FnMut(usize, f64)) {
         x.scalings(0, |_, a| y.scalings(0, |_, b| visit(0, a * b)));
         for level in 0..self.levels {
             let mut emit = |kind, x, y, value| visit(Index2d::Detail { level, kind, x, y }.flat(), value);

@@ -1,15 +1,22 @@
 //! Affine wavelets: what a Haar signal becomes when it is scaled and moved, without leaving the wavelet basis.
 
 mod atom;
+mod atom_product;
 mod canonical;
 mod coupling;
 mod map;
 mod steps;
+mod tripling;
 
 pub use atom::Atom;
+pub use atom_product::ScaledAtom;
 pub use canonical::{Mother, canonical, canonical_batch, canonical_gradient, canonical_slope};
 pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
     coupling_nonstandard, coupling_standard,
 };
 pub use map::AffineMap;
+pub use tripling::{
+    TripleNonzeros1d, TripleNonzerosNonstandard, tripling, tripling_1d, tripling_gradient, tripling_gradient_1d,
+    tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,
+};
