@@ -113,7 +113,7 @@ pub fn canonical_slope(f: Mother, g: Mother, [r, c]: [f64; 2], [dr, dc]: [f64; 2
 /// # Example
 /// ```
 /// use haarmonic::affine::{Mother, canonical_gradient};
-/// assert_eq!(canonical_gradient(Mother::Wavelet, Mother::Wavelet, 0.25, 0.5), [2.0, -3.0]);
+/// assert_eq!(canonical_gradient(Mother::Wavelet, Mother::Wavelet, 0.25, 0.5), [2.0, -2.0]);
 /// ```
 pub fn canonical_gradient(f: Mother, g: Mother, r: f64, c: f64) -> [f64; 2] {
     [[1.0, 0.0], [0.0, 1.0]].map(|along| canonical_slope(f, g, [r, c], along))

@@ -4,7 +4,10 @@ mod atom;
 mod atom_product;
 mod canonical;
 mod coupling;
+mod exact_sum;
+mod fourier;
 mod map;
+mod pixel;
 mod steps;
 mod tripling;
 
@@ -15,7 +18,14 @@ pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
     coupling_nonstandard, coupling_standard,
 };
+pub use fourier::{
+    fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
+};
 pub use map::AffineMap;
+pub use pixel::{
+    pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
+    pixel_tripling, pixel_tripling_nonzeros,
+};
 pub use tripling::{
     TripleNonzeros1d, TripleNonzerosNonstandard, tripling, tripling_1d, tripling_gradient, tripling_gradient_1d,
     tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,

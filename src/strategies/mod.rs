@@ -4,11 +4,13 @@
 //! They lean on the edges where code like this breaks: size 1, all zeros, one sample only, numbers near the ends of the
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
+mod affine;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
 mod sphere;
 
+pub use affine::{affine_map, dyadic_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};

@@ -1,0 +1,23 @@
+//! Twins of [`affine`](crate::affine): exact integrals of piecewise constant functions, by merging their breakpoints.
+//!
+//! Nothing here knows of the canonical coupling: each basis function is a list of breakpoints and values, the affine map moves the
+//! breakpoints, and an integral is a sum of length times value over the pieces between them. Breakpoints carry 106 bits, so that
+//! what the twin rounds away does not show beside what a fast path in `f64` does. Whether a coefficient is *exactly* zero is
+//! decided in integers (`…_sign_…`, `count_…`).
+
+mod exact;
+mod fourier;
+mod integrals;
+mod resample;
+mod steps;
+
+pub use exact::{
+    count_nonzeros_1d, count_nonzeros_nonstandard, count_pixel_nonzeros, count_tripling_nonzeros_1d, coupling_sign_1d,
+    coupling_sign_nonstandard, tripling_sign_1d,
+};
+pub use fourier::{fourier_coupling, fourier_tripling};
+pub use integrals::{
+    canonical, coupling_1d, coupling_nonstandard, coupling_slope_1d, coupling_standard, double_product, pixel_coupling,
+    pixel_tripling, triple_product, tripling_1d, tripling_nonstandard, tripling_standard,
+};
+pub use resample::{resample_1d, resample_2d, resample_light_field};
