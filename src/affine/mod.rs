@@ -10,6 +10,7 @@ mod map;
 mod pixel;
 mod steps;
 mod tripling;
+mod zero;
 
 pub use atom::Atom;
 pub use atom_product::ScaledAtom;

@@ -101,7 +101,8 @@ impl Steps {
         }
         let mut t = first.max(0.0);
         while t <= last && t < count {
-            let value = self.mean(&y, t);
+            let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t);
+            let value = (g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1));
             if value != 0.0 {
                 visit(t as usize, factor * value);
             }
@@ -109,21 +110,12 @@ impl Steps {
         }
     }
 
-    /// ∫ f φ_{l,t}: one of [`Self::scalings`].
+    /// ∫ f φ_{l,t} of one cell, as [`scalings`](Self::scalings) finds it.
     #[inline(always)]
     pub(super) fn scaling(&self, level: u32, t: usize) -> f64 {
-        let factor = self.amplitude * root_power(-(level as i32));
         let y = self.at.map(|b| b * power(level as i32));
-        if y[2] <= y[0].floor() + 1.0 && self.mother == Mother::Wavelet {
-            return 0.0;
-        }
-        factor * self.mean(&y, t as f64)
-    }
-
-    #[inline(always)]
-    fn mean(&self, y: &[f64; 3], t: f64) -> f64 {
-        let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t);
-        (g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1))
+        let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t as f64);
+        self.amplitude * root_power(-(level as i32)) * ((g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1)))
     }
 
     /// Visits the functions of the 1D basis of `levels` levels that are met, by ascending flat index.

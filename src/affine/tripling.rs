@@ -7,7 +7,8 @@
 use super::atom::root_power;
 use super::coupling::levels_of;
 use super::steps::Steps;
-use super::{AffineMap, Atom, NonzerosNonstandard, coupling, coupling_gradient};
+use super::zero::{vanishes, vanishes_2d};
+use super::{AffineMap, Atom, Mother, NonzerosNonstandard, coupling, coupling_gradient};
 use crate::Result;
 use crate::haar::{Index1d, Index2d, Kind};
 
@@ -132,12 +133,25 @@ impl TripleNonzeros1d {
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     #[inline]
     pub fn row(self, i: usize, map: AffineMap, mut visit: impl FnMut(usize, usize, f64)) {
-        let f = Steps::of_source(Atom::from_flat(i), map);
-        f.scalings(0, |_, value| visit(0, 0, value));
+        let source = Atom::from_flat(i);
+        let f = Steps::of_source(source, map);
+        f.scalings(0, |_, value| {
+            if !vanishes(source, Atom::from_flat(0), map, value) {
+                visit(0, 0, value);
+            }
+        });
         for level in 0..self.levels {
             let (count, amplitude) = (1usize << level, root_power(level as i32));
-            f.wavelets(level, |t, value| ancestors(level, t, |j, there| visit(j, count + t, there * value)));
-            f.scalings(level, |t, value| visit(count + t, count + t, amplitude * value));
+            f.wavelets(level, |offset, value| {
+                if !vanishes(source, Atom { mother: Mother::Wavelet, level, offset }, map, value) {
+                    ancestors(level, offset, |j, there| visit(j, count + offset, there * value));
+                }
+            });
+            f.scalings(level, |offset, value| {
+                if !vanishes(source, Atom { mother: Mother::Scaling, level, offset }, map, value) {
+                    visit(count + offset, count + offset, amplitude * value);
+                }
+            });
         }
     }
 
@@ -146,7 +160,11 @@ impl TripleNonzeros1d {
     pub fn column(self, j: usize, k: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
         if let Some(product) = Atom::from_flat(j).product(Atom::from_flat(k)) {
             let factor = product.factor();
-            Steps::of_target(product.atom, map).basis(self.levels, |i, value| visit(i, factor * value));
+            Steps::of_target(product.atom, map).basis(self.levels, |i, value| {
+                if !vanishes(Atom::from_flat(i), product.atom, map, value) {
+                    visit(i, factor * value);
+                }
+            });
         }
     }
 
@@ -155,24 +173,30 @@ impl TripleNonzeros1d {
     /// These are the coefficients of ψ_i(s v + o) ψ_j(v): what a light field needs.
     #[inline]
     pub fn partners(self, i: usize, j: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
-        let f = Steps::of_source(Atom::from_flat(i), map);
+        let source = Atom::from_flat(i);
+        let f = Steps::of_source(source, map);
         let Index1d::Detail { level, offset } = Index1d::from_flat(j) else {
-            return f.basis(self.levels, visit);
+            return f.basis(self.levels, |k, value| {
+                if !vanishes(source, Atom::from_flat(k), map, value) {
+                    visit(k, value);
+                }
+            });
         };
+        let wavelet = |level, offset| Atom { mother: Mother::Wavelet, level, offset };
         f.wavelets(level, |t, value| {
-            if t == offset {
+            if t == offset && !vanishes(source, wavelet(level, t), map, value) {
                 ancestors(level, t, |k, there| visit(k, there * value));
             }
         });
         let amplitude = root_power(level as i32);
         let mean = f.scaling(level, offset);
-        if mean != 0.0 {
+        if !vanishes(source, Atom { mother: Mother::Scaling, level, offset }, map, mean) {
             visit(j, amplitude * mean);
         }
         for fine in level + 1..self.levels {
             let below = fine - level;
             f.wavelets(fine, |t, value| {
-                if t >> below == offset {
+                if t >> below == offset && !vanishes(source, wavelet(fine, t), map, value) {
                     let negative = t >> (below - 1) & 1 == 1;
                     visit((1 << fine) + t, if negative { -amplitude * value } else { amplitude * value });
                 }
@@ -233,41 +257,38 @@ impl TripleNonzerosNonstandard {
         if let (Some(x), Some(y)) = (j[0].product(k[0]), j[1].product(k[1])) {
             let factor = x.factor() * y.factor();
             let steps = [Steps::of_target(x.atom, maps[0]), Steps::of_target(y.atom, maps[1])];
-            self.pairs.products(steps, |i, value| visit(i, factor * value));
+            self.pairs.products(steps, |i, value| {
+                if !vanishes_2d(Atom::from_nonstandard(i), [x.atom, y.atom], maps, value) {
+                    visit(i, factor * value);
+                }
+            });
         }
     }
 
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     pub fn row(self, i: usize, maps: [AffineMap; 2], mut visit: impl FnMut(usize, usize, f64)) {
-        let atoms = Atom::from_nonstandard(i);
-        let [x, y] = [0, 1].map(|q| Steps::of_source(atoms[q], maps[q]));
-        x.scalings(0, |_, a| y.scalings(0, |_, b| visit(0, 0, a * b)));
+        let source = Atom::from_nonstandard(i);
+        let [x, y] = [0, 1].map(|q| Steps::of_source(source[q], maps[q]));
+        x.scalings(0, |_, a| {
+            y.scalings(0, |_, b| {
+                if !vanishes_2d(source, Atom::from_nonstandard(0), maps, a * b) {
+                    visit(0, 0, a * b);
+                }
+            })
+        });
         for level in 0..self.levels {
-            let amplitude = root_power(2 * level as i32);
-            let flat = |kind, x, y| Index2d::Detail { level, kind, x, y }.flat();
-            // The product of two different kinds of a cell is the third.
-            let mut details = |kind, tx, ty, value: f64| {
-                let [one, other] = match kind {
-                    Kind::Horizontal => [Kind::Vertical, Kind::Diagonal],
-                    Kind::Vertical => [Kind::Horizontal, Kind::Diagonal],
-                    Kind::Diagonal => [Kind::Horizontal, Kind::Vertical],
-                };
-                visit(flat(one, tx, ty), flat(other, tx, ty), amplitude * value);
-                let k = flat(kind, tx, ty);
-                visit(0, k, value);
-                for up in 0..level {
-                    above([tx, ty], level, up, |j, there| visit(j, k, there * value));
+            let mut cell = |mothers: [Mother; 2], tx, ty, value| {
+                let target =
+                    [(mothers[0], tx), (mothers[1], ty)].map(|(mother, offset)| Atom { mother, level, offset });
+                if !vanishes_2d(source, target, maps, value) {
+                    pairs_of(target, value, &mut visit);
                 }
             };
-            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| details(Kind::Horizontal, tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| details(Kind::Vertical, tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| details(Kind::Diagonal, tx, ty, a * b)));
-            let mut square = |tx, ty, value: f64| {
-                for kind in Kind::ALL {
-                    visit(flat(kind, tx, ty), flat(kind, tx, ty), amplitude * value);
-                }
-            };
-            y.scalings(level, |ty, b| x.scalings(level, |tx, a| square(tx, ty, a * b)));
+            use Mother::{Scaling, Wavelet};
+            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| cell([Wavelet, Scaling], tx, ty, a * b)));
+            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| cell([Scaling, Wavelet], tx, ty, a * b)));
+            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| cell([Wavelet; 2], tx, ty, a * b)));
+            y.scalings(level, |ty, b| x.scalings(level, |tx, a| cell([Scaling; 2], tx, ty, a * b)));
         }
     }
 
@@ -283,6 +304,32 @@ impl TripleNonzerosNonstandard {
         let mut count = 0;
         self.all(maps, |_, _, _, _| count += 1);
         count
+    }
+}
+
+/// Every j ≤ k of which the product of Ψ_j and Ψ_k is a multiple of `product`, k of its level; D_ijk from its coupling `value`.
+#[inline(always)]
+fn pairs_of([x, y]: [Atom; 2], value: f64, visit: &mut impl FnMut(usize, usize, f64)) {
+    let level = x.level;
+    let amplitude = root_power(2 * level as i32);
+    let detail = |kind| Index2d::Detail { level, kind, x: x.offset, y: y.offset }.flat();
+    let mut two = |j, k| visit(detail(j), detail(k), amplitude * value);
+    let kind = match (x.mother, y.mother) {
+        (Mother::Scaling, Mother::Scaling) => return Kind::ALL.into_iter().for_each(|kind| two(kind, kind)),
+        (Mother::Wavelet, Mother::Scaling) => Kind::Horizontal,
+        (Mother::Scaling, Mother::Wavelet) => Kind::Vertical,
+        (Mother::Wavelet, Mother::Wavelet) => Kind::Diagonal,
+    };
+    // The product of two different kinds of a cell is the third.
+    match kind {
+        Kind::Horizontal => two(Kind::Vertical, Kind::Diagonal),
+        Kind::Vertical => two(Kind::Horizontal, Kind::Diagonal),
+        Kind::Diagonal => two(Kind::Horizontal, Kind::Vertical),
+    }
+    let k = detail(kind);
+    visit(0, k, value);
+    for up in 0..level {
+        above([x.offset, y.offset], level, up, |j, there| visit(j, k, there * value));
     }
 }
 
