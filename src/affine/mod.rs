@@ -6,8 +6,10 @@ mod canonical;
 mod coupling;
 mod exact_sum;
 mod fourier;
+mod light_field;
 mod map;
 mod pixel;
+mod product;
 mod steps;
 mod tripling;
 mod zero;
@@ -22,10 +24,15 @@ pub use coupling::{
 pub use fourier::{
     fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
 };
+pub use light_field::{LightField, LightFieldTerm};
 pub use map::AffineMap;
 pub use pixel::{
     pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
     pixel_tripling, pixel_tripling_nonzeros,
+};
+pub use product::{
+    AffineGradient, AffineProduct1d, AffineProduct2d, AffineRoute, affine_double_product_1d, affine_double_product_2d,
+    affine_triple_product_1d, affine_triple_product_2d,
 };
 pub use tripling::{
     TripleNonzeros1d, TripleNonzerosNonstandard, tripling, tripling_1d, tripling_gradient, tripling_gradient_1d,

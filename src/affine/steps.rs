@@ -118,6 +118,12 @@ impl Steps {
         self.amplitude * root_power(-(level as i32)) * ((g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1)))
     }
 
+    /// Breakpoints, ascending, and minus the jumps there.
+    #[inline(always)]
+    pub(super) fn jumps(&self) -> ([f64; 3], [f64; 3]) {
+        (self.at, self.weight.map(|w| w * self.amplitude))
+    }
+
     /// Visits the functions of the 1D basis of `levels` levels that are met, by ascending flat index.
     #[inline(always)]
     pub(super) fn basis(&self, levels: u32, mut visit: impl FnMut(usize, f64)) {
