@@ -8,6 +8,7 @@ mod exact_sum;
 mod fourier;
 mod light_field;
 mod map;
+mod met;
 mod pixel;
 mod product;
 mod steps;

@@ -6,9 +6,8 @@
 
 use super::atom::root_power;
 use super::coupling::levels_of;
-use super::steps::Steps;
-use super::zero::{vanishes, vanishes_2d};
-use super::{AffineMap, Atom, Mother, NonzerosNonstandard, coupling, coupling_gradient};
+use super::met::{Met, Sources, Targets};
+use super::{AffineMap, Atom, NonzerosNonstandard, coupling, coupling_gradient};
 use crate::Result;
 use crate::haar::{Index1d, Index2d, Kind};
 
@@ -133,25 +132,14 @@ impl TripleNonzeros1d {
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     #[inline]
     pub fn row(self, i: usize, map: AffineMap, mut visit: impl FnMut(usize, usize, f64)) {
-        let source = Atom::from_flat(i);
-        let f = Steps::of_source(source, map);
-        f.scalings(0, |_, value| {
-            if !vanishes(source, Atom::from_flat(0), map, value) {
-                visit(0, 0, value);
-            }
-        });
+        let f = Targets::new(Atom::from_flat(i), map);
+        f.scalings(0, |_, value| visit(0, 0, value));
         for level in 0..self.levels {
             let (count, amplitude) = (1usize << level, root_power(level as i32));
-            f.wavelets(level, |offset, value| {
-                if !vanishes(source, Atom { mother: Mother::Wavelet, level, offset }, map, value) {
-                    ancestors(level, offset, |j, there| visit(j, count + offset, there * value));
-                }
+            f.wavelets(level, |k, value| {
+                ancestors(level, k.offset, |j, there| visit(j, count + k.offset, there * value));
             });
-            f.scalings(level, |offset, value| {
-                if !vanishes(source, Atom { mother: Mother::Scaling, level, offset }, map, value) {
-                    visit(count + offset, count + offset, amplitude * value);
-                }
-            });
+            f.scalings(level, |k, value| visit(count + k.offset, count + k.offset, amplitude * value));
         }
     }
 
@@ -160,11 +148,7 @@ impl TripleNonzeros1d {
     pub fn column(self, j: usize, k: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
         if let Some(product) = Atom::from_flat(j).product(Atom::from_flat(k)) {
             let factor = product.factor();
-            Steps::of_target(product.atom, map).basis(self.levels, |i, value| {
-                if !vanishes(Atom::from_flat(i), product.atom, map, value) {
-                    visit(i, factor * value);
-                }
-            });
+            Sources::new(product.atom, map).basis(self.levels, |i, value| visit(i, factor * value));
         }
     }
 
@@ -173,32 +157,26 @@ impl TripleNonzeros1d {
     /// These are the coefficients of ψ_i(s v + o) ψ_j(v): what a light field needs.
     #[inline]
     pub fn partners(self, i: usize, j: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
-        let source = Atom::from_flat(i);
-        let f = Steps::of_source(source, map);
+        let f = Targets::new(Atom::from_flat(i), map);
         let Index1d::Detail { level, offset } = Index1d::from_flat(j) else {
-            return f.basis(self.levels, |k, value| {
-                if !vanishes(source, Atom::from_flat(k), map, value) {
-                    visit(k, value);
-                }
-            });
+            return f.basis(self.levels, visit);
         };
-        let wavelet = |level, offset| Atom { mother: Mother::Wavelet, level, offset };
-        f.wavelets(level, |t, value| {
-            if t == offset && !vanishes(source, wavelet(level, t), map, value) {
-                ancestors(level, t, |k, there| visit(k, there * value));
+        f.wavelets(level, |met, value| {
+            if met.offset == offset {
+                ancestors(level, offset, |k, there| visit(k, there * value));
             }
         });
         let amplitude = root_power(level as i32);
         let mean = f.scaling(level, offset);
-        if !vanishes(source, Atom { mother: Mother::Scaling, level, offset }, map, mean) {
+        if mean != 0.0 {
             visit(j, amplitude * mean);
         }
         for fine in level + 1..self.levels {
             let below = fine - level;
-            f.wavelets(fine, |t, value| {
-                if t >> below == offset && !vanishes(source, wavelet(fine, t), map, value) {
-                    let negative = t >> (below - 1) & 1 == 1;
-                    visit((1 << fine) + t, if negative { -amplitude * value } else { amplitude * value });
+            f.wavelets(fine, |met, value| {
+                if met.offset >> below == offset {
+                    let negative = met.offset >> (below - 1) & 1 == 1;
+                    visit((1 << fine) + met.offset, if negative { -amplitude * value } else { amplitude * value });
                 }
             });
         }
@@ -231,7 +209,6 @@ impl TripleNonzeros1d {
 /// As [`TripleNonzeros1d`]: of one cell, kinds multiply like the bits of their numbers under exclusive or (a kind with itself: φφ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TripleNonzerosNonstandard {
-    pairs: NonzerosNonstandard,
     levels: u32,
 }
 
@@ -241,7 +218,8 @@ impl TripleNonzerosNonstandard {
     /// # Errors
     /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `side` is one; [`Error::OutOfRange`](crate::Error::OutOfRange) above 2¹⁵.
     pub fn new(side: usize) -> Result<Self> {
-        Ok(Self { pairs: NonzerosNonstandard::new(side)?, levels: side.ilog2() })
+        NonzerosNonstandard::new(side)?;
+        Ok(Self { levels: side.ilog2() })
     }
 
     /// The side of an image.
@@ -256,39 +234,41 @@ impl TripleNonzerosNonstandard {
         let (j, k) = (Atom::from_nonstandard(j), Atom::from_nonstandard(k));
         if let (Some(x), Some(y)) = (j[0].product(k[0]), j[1].product(k[1])) {
             let factor = x.factor() * y.factor();
-            let steps = [Steps::of_target(x.atom, maps[0]), Steps::of_target(y.atom, maps[1])];
-            self.pairs.products(steps, |i, value| {
-                if !vanishes_2d(Atom::from_nonstandard(i), [x.atom, y.atom], maps, value) {
-                    visit(i, factor * value);
-                }
-            });
+            let axes = [Sources::new(x.atom, maps[0]), Sources::new(y.atom, maps[1])];
+            axes[0].scalings(0, |_, a| axes[1].scalings(0, |_, b| visit(0, factor * (a * b))));
+            for level in 0..self.levels {
+                each_detail(&axes, level, |i, _, value| visit(i, factor * value));
+            }
         }
     }
 
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     pub fn row(self, i: usize, maps: [AffineMap; 2], mut visit: impl FnMut(usize, usize, f64)) {
-        let source = Atom::from_nonstandard(i);
-        let [x, y] = [0, 1].map(|q| Steps::of_source(source[q], maps[q]));
-        x.scalings(0, |_, a| {
-            y.scalings(0, |_, b| {
-                if !vanishes_2d(source, Atom::from_nonstandard(0), maps, a * b) {
-                    visit(0, 0, a * b);
-                }
-            })
-        });
+        let [x, y] = Atom::from_nonstandard(i);
+        let axes = [Targets::new(x, maps[0]), Targets::new(y, maps[1])];
+        axes[0].scalings(0, |_, a| axes[1].scalings(0, |_, b| visit(0, 0, a * b)));
         for level in 0..self.levels {
-            let mut cell = |mothers: [Mother; 2], tx, ty, value| {
-                let target =
-                    [(mothers[0], tx), (mothers[1], ty)].map(|(mother, offset)| Atom { mother, level, offset });
-                if !vanishes_2d(source, target, maps, value) {
-                    pairs_of(target, value, &mut visit);
+            let (count, amplitude) = (1usize << (2 * level), root_power(2 * level as i32));
+            each_detail(&axes, level, |k, cell, value| {
+                // The product of two different kinds of a cell is the third.
+                let kind = k / count;
+                let others = [1, 2, 3].map(|other| k - kind * count + other * count);
+                let [j, l] = [[others[1], others[2]], [others[0], others[2]], [others[0], others[1]]][kind - 1];
+                visit(j, l, amplitude * value);
+                visit(0, k, value);
+                for up in 0..level {
+                    above(cell, level, up, |j, there| visit(j, k, there * value));
                 }
-            };
-            use Mother::{Scaling, Wavelet};
-            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| cell([Wavelet, Scaling], tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| cell([Scaling, Wavelet], tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| cell([Wavelet; 2], tx, ty, a * b)));
-            y.scalings(level, |ty, b| x.scalings(level, |tx, a| cell([Scaling; 2], tx, ty, a * b)));
+            });
+            let [x, y] = &axes;
+            y.scalings(level, |ty, b| {
+                x.scalings(level, |tx, a| {
+                    for kind in Kind::ALL {
+                        let k = Index2d::Detail { level, kind, x: tx.offset, y: ty.offset }.flat();
+                        visit(k, k, amplitude * (a * b));
+                    }
+                });
+            });
         }
     }
 
@@ -307,30 +287,15 @@ impl TripleNonzerosNonstandard {
     }
 }
 
-/// Every j ≤ k of which the product of Ψ_j and Ψ_k is a multiple of `product`, k of its level; D_ijk from its coupling `value`.
+/// Visits the details of a level that are met: (flat index, offset in x and y, product of the couplings).
 #[inline(always)]
-fn pairs_of([x, y]: [Atom; 2], value: f64, visit: &mut impl FnMut(usize, usize, f64)) {
-    let level = x.level;
-    let amplitude = root_power(2 * level as i32);
-    let detail = |kind| Index2d::Detail { level, kind, x: x.offset, y: y.offset }.flat();
-    let mut two = |j, k| visit(detail(j), detail(k), amplitude * value);
-    let kind = match (x.mother, y.mother) {
-        (Mother::Scaling, Mother::Scaling) => return Kind::ALL.into_iter().for_each(|kind| two(kind, kind)),
-        (Mother::Wavelet, Mother::Scaling) => Kind::Horizontal,
-        (Mother::Scaling, Mother::Wavelet) => Kind::Vertical,
-        (Mother::Wavelet, Mother::Wavelet) => Kind::Diagonal,
+fn each_detail<M: Met>([x, y]: &[M; 2], level: u32, mut visit: impl FnMut(usize, [usize; 2], f64)) {
+    let mut emit = |kind, tx: Atom, ty: Atom, value| {
+        visit(Index2d::Detail { level, kind, x: tx.offset, y: ty.offset }.flat(), [tx.offset, ty.offset], value);
     };
-    // The product of two different kinds of a cell is the third.
-    match kind {
-        Kind::Horizontal => two(Kind::Vertical, Kind::Diagonal),
-        Kind::Vertical => two(Kind::Horizontal, Kind::Diagonal),
-        Kind::Diagonal => two(Kind::Horizontal, Kind::Vertical),
-    }
-    let k = detail(kind);
-    visit(0, k, value);
-    for up in 0..level {
-        above([x.offset, y.offset], level, up, |j, there| visit(j, k, there * value));
-    }
+    y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx, ty, a * b)));
+    y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx, ty, a * b)));
+    y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx, ty, a * b)));
 }
 
 /// The three details of level `up` above the cell (tx, ty) of `level`: (index, the value that it has there).

@@ -71,16 +71,6 @@ pub(super) fn vanishes(source: Atom, target: Atom, map: AffineMap, value: f64) -
     value == 0.0 || (value.abs() <= reach(source, target, map) && exactly_zero(source, target, map))
 }
 
-/// As [`vanishes`], of a product over two axes.
-#[inline(always)]
-pub(super) fn vanishes_2d(source: [Atom; 2], target: [Atom; 2], maps: [AffineMap; 2], value: f64) -> bool {
-    let zero = |q: usize| exactly_zero(source[q], target[q], maps[q]);
-    // The other factor is at most the square root of the product of its amplitudes, over |s|, whichever is its size.
-    let amplitudes = root_power((source[0].level + target[0].level) as i32);
-    let reach: f64 = (0..2).map(|q| reach(source[q], target[q], maps[q])).sum();
-    value == 0.0 || (value.abs() <= reach * amplitudes && (zero(0) || zero(1)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
