@@ -45,7 +45,7 @@ pub struct AffineGradient<const AXES: usize, const C: usize = 1> {
 const SMALLEST_AREA: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Terms up to which they are cheaper than differences of the primitive (measured; see the bench `affine_product`).
-const FEW_TERMS: usize = 2;
+const FEW_TERMS: usize = 4;
 
 fn route(terms: usize, area: f64) -> AffineRoute {
     if terms <= FEW_TERMS || area.abs() < SMALLEST_AREA { AffineRoute::Terms } else { AffineRoute::Primitive }
