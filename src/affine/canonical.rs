@@ -77,7 +77,8 @@ pub fn canonical<T: Real>(f: Mother, g: Mother, r: T, c: T) -> T {
         Mother::Wavelet => {
             let middle = g.primitive(c);
             // (m − low) − (high − m) is exact where the three lie on one line with exact steps.
-            ((middle - low) - (high - middle)) * r.signum()
+            let m = (middle - low) - (high - middle);
+            if r < T::zero() { -m } else { m }
         }
     }
 }
@@ -159,12 +160,17 @@ impl<T: Real> WithSimd for Batch<'_, T> {
 
 #[inline(always)]
 fn run<T: Real>(f: Mother, g: Mother, r: &[T], c: &[T], out: &mut [T]) {
-    let (r_blocks, r_rest) = r.as_chunks::<8>();
-    let (c_blocks, c_rest) = c.as_chunks::<8>();
-    let (blocks, rest) = out.as_chunks_mut::<8>();
+    const LANES: usize = 16;
+    let (r_blocks, r_rest) = r.as_chunks::<LANES>();
+    let (c_blocks, c_rest) = c.as_chunks::<LANES>();
+    let (blocks, rest) = out.as_chunks_mut::<LANES>();
     for ((r, c), out) in r_blocks.iter().zip(c_blocks).zip(blocks) {
         // By value: the compiler need not ask whether the slices overlap.
-        *out = std::array::from_fn(|k| canonical(f, g, r[k], c[k]));
+        let mut m = [T::zero(); LANES];
+        for k in 0..LANES {
+            m[k] = canonical(f, g, r[k], c[k]);
+        }
+        *out = m;
     }
     for ((&r, &c), out) in r_rest.iter().zip(c_rest).zip(rest) {
         *out = canonical(f, g, r, c);

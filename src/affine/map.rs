@@ -82,6 +82,20 @@ impl AffineMap {
     }
 }
 
+/// What a derivative is taken with respect to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// s.
+    Scale,
+    /// o.
+    Offset,
+}
+
+impl Parameter {
+    /// Both, in the order of every gradient here.
+    pub const ALL: [Self; 2] = [Self::Scale, Self::Offset];
+}
+
 impl Default for AffineMap {
     fn default() -> Self {
         Self::IDENTITY

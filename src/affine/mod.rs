@@ -9,8 +9,10 @@ mod fourier;
 mod light_field;
 mod map;
 mod met;
+mod operator_1d;
 mod pixel;
 mod product;
+mod propagation;
 mod steps;
 mod tripling;
 mod zero;
@@ -26,7 +28,8 @@ pub use fourier::{
     fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
 };
 pub use light_field::{LightField, LightFieldTerm};
-pub use map::AffineMap;
+pub use map::{AffineMap, Parameter};
+pub use operator_1d::{Operator1d, transform_1d};
 pub use pixel::{
     pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
     pixel_tripling, pixel_tripling_nonzeros,
@@ -35,6 +38,7 @@ pub use product::{
     AffineGradient, AffineProduct1d, AffineProduct2d, AffineRoute, affine_double_product_1d, affine_double_product_2d,
     affine_triple_product_1d, affine_triple_product_2d,
 };
+pub use propagation::{Axis, Propagation, PropagationScratch, PropagationSource, Route, Targets};
 pub use tripling::{
     TripleNonzeros1d, TripleNonzerosNonstandard, tripling, tripling_1d, tripling_gradient, tripling_gradient_1d,
     tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,

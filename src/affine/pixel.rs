@@ -231,3 +231,21 @@ impl Grid {
         -(along(ds, at) + along(d_o, self.size as f64)) / self.scale
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_far_below_the_rounding_of_their_terms_are_right() {
+        // k − s·j − No = 2^−107 and −11·2^−106, as rationals have it: two roundings more lose the one and a tenth of the other.
+        let mantissa = |m: u64, exponent: i32| m as f64 * 2f64.powi(exponent);
+        for (size, k, j, s, o, source) in [
+            (3, 2, 3, mantissa(6004799503160661, -107), 2.0 / 3.0, mantissa(1, -107)),
+            (11, 5, 9, -mantissa(8006399337547546, -107), 0.4545454545454546, -mantissa(11, -106)),
+        ] {
+            let got = Grid::new(size, AffineMap::new(s, o).unwrap()).distance(k, j);
+            assert_eq!(got, source / s, "{s:e} {o}");
+        }
+    }
+}

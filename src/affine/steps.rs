@@ -10,7 +10,8 @@
 //! piece); that is decided by comparison, so that no rounding leaves a spurious term.
 
 use super::atom::{Atom, power, root_power};
-use super::{AffineMap, Mother};
+use super::{AffineMap, Mother, Parameter};
+use crate::Real;
 
 /// An atom seen through a map (or its inverse): −h_k at b_k, ascending, times `amplitude`.
 #[derive(Debug, Clone, Copy)]
@@ -19,12 +20,78 @@ pub(super) struct Steps {
     at: [f64; 3],
     weight: [f64; 3],
     amplitude: f64,
+    grid: Grid,
 }
 
-/// The slots of a level: (offset, value before the factor of the level); unused ones have an offset of −1.
-type Cells = [(f64, f64); 3];
+/// Breakpoints clamped to [0, 1] as multiples of 2^−62: cells are shifts, sums are exact, and a sum that is not zero is a coupling
+/// that is not zero. The half step of 2^−63 is far below the rounding of the breakpoints. Outside of [0, 1] nothing is met, so the
+/// clamping changes nothing.
+#[derive(Debug, Clone, Copy)]
+struct Grid {
+    at: [i64; 3],
+    weight: [i64; 3],
+    /// No wavelet of a coarser level is met.
+    first: u32,
+}
 
-const NOWHERE: (f64, f64) = (-1.0, 0.0);
+const BITS: u32 = 62;
+const UNIT: i64 = 1 << BITS;
+
+/// The room for a row that [`Steps::write_basis`] writes: three functions a level, the mean, and a place beyond the end.
+#[inline(always)]
+pub(super) fn row_room(levels: u32) -> usize {
+    3 * levels as usize + 2
+}
+
+impl Grid {
+    #[inline(always)]
+    fn new(mother: Mother, at: [f64; 3], weight: [f64; 3]) -> Self {
+        let [low, _, high] = at;
+        let at = at.map(|b| (clamp(b, 0.0, 1.0) * UNIT as f64) as i64);
+        let mut first = 0;
+        if low >= 1.0 || high <= 0.0 {
+            first = u32::MAX;
+        } else if mother == Mother::Wavelet && low >= 0.0 && high <= 1.0 {
+            // The whole wavelet lies in one constant piece, a half cell, of coarser levels. The half cell of level l that holds a
+            // position is its first l + 1 bits, and the end of the wavelet is open.
+            let apart = at[0] ^ (at[2] - 1).max(at[0]);
+            first = apart.leading_zeros() - (i64::BITS - BITS);
+        }
+        Self { at, weight: weight.map(|w| w as i64), first }
+    }
+
+    /// The wavelets of a level that are met: (t, 2^62 Σ w_k Λ(2^l b_k − t)/2^l), the sum 0 where there is none.
+    ///
+    /// Breakpoints of one cell are gathered into the last of them. No branch on the data.
+    #[inline(always)]
+    fn met(&self, level: u32) -> [(i64, i64); 3] {
+        let shift = BITS - level;
+        let width = 1i64 << shift;
+        let cell = self.at.map(|p| p >> shift);
+        let g: [i64; 3] = std::array::from_fn(|k| {
+            let within = self.at[k] & (width - 1);
+            self.weight[k] * within.min(width - within)
+        });
+        let (joined_low, joined_high) = (cell[0] == cell[1], cell[1] == cell[2]);
+        let low = if joined_low { g[0] + g[1] } else { g[1] };
+        let high = if joined_high { low + g[2] } else { g[2] };
+        let first = if joined_low { 0 } else { g[0] };
+        let second = if joined_high { 0 } else { low };
+        [(cell[0], first), (cell[1], second), (cell[2], high)]
+    }
+
+    /// 2^{l/2}/2^62: the factor of 2^{−l/2} and 2^l of a sum.
+    #[inline(always)]
+    fn scale(level: u32) -> f64 {
+        root_power(level as i32) / UNIT as f64
+    }
+}
+
+#[inline(always)]
+fn clamp(x: f64, low: f64, high: f64) -> f64 {
+    let x = if x < low { low } else { x };
+    if x > high { high } else { x }
+}
 
 impl Steps {
     /// f(s v + o) of a source atom, as a function of v.
@@ -49,44 +116,50 @@ impl Steps {
             Mother::Scaling => [-1.0, 0.0, 1.0],
         };
         let at = if mirrored { [high, middle, low] } else { [low, middle, high] };
-        Self { mother: atom.mother, at, weight, amplitude: amplitude * root_power(atom.level as i32) }
+        let amplitude = amplitude * root_power(atom.level as i32);
+        Self { mother: atom.mother, at, weight, amplitude, grid: Grid::new(atom.mother, at, weight) }
     }
 
     /// Visits the wavelets of a level that are met, by ascending offset: (t, ∫ f ψ_{l,t}).
     #[inline(always)]
     pub(super) fn wavelets(&self, level: u32, mut visit: impl FnMut(usize, f64)) {
-        let factor = self.amplitude * root_power(-(level as i32));
-        let count = power(level as i32);
-        for (cell, value) in self.cells(count) {
-            if value != 0.0 && cell >= 0.0 && cell < count {
-                visit(cell as usize, factor * value);
+        if level >= self.grid.first {
+            for (cell, sum) in self.grid.met(level) {
+                if sum != 0 {
+                    visit(cell as usize, self.amplitude * Grid::scale(level) * sum as f64);
+                }
             }
         }
     }
 
+    /// Writes what [`basis`](Self::basis) visits to the front of `index` and `value`; returns the number. Both have at least
+    /// [`row_room`] places.
     #[inline(always)]
-    fn cells(&self, count: f64) -> Cells {
-        let y = self.at.map(|b| b * count);
-        let cell = y.map(f64::floor);
-        let g: [f64; 3] = std::array::from_fn(|k| self.weight[k] * Mother::Wavelet.primitive(y[k] - cell[k]));
-        if cell[0] == cell[2] {
-            // All in one cell: a wavelet that does not straddle the middle is met by nothing.
-            let one_half = y[2] - cell[0] <= 0.5 || y[0] - cell[0] >= 0.5;
-            if one_half && self.mother == Mother::Wavelet {
-                return [NOWHERE; 3];
+    pub(super) fn write_basis<T: Real>(&self, levels: u32, index: &mut [u32], value: &mut [T]) -> usize {
+        let room = row_room(levels);
+        let (index, value) = (&mut index[..room], &mut value[..room]);
+        let mean = self.mean();
+        (index[0], value[0]) = (0, T::of(mean));
+        let mut len = usize::from(mean != 0.0);
+        for level in self.grid.first..levels {
+            let scale = self.amplitude * Grid::scale(level);
+            for (cell, sum) in self.grid.met(level) {
+                (index[len], value[len]) = ((1 << level) + cell as u32, T::of(scale * sum as f64));
+                len += usize::from(sum != 0);
             }
-            return [(cell[0], (g[0] + 0.5 * g[1]) + (g[2] + 0.5 * g[1])), NOWHERE, NOWHERE];
         }
-        if self.mother == Mother::Scaling {
-            return [(cell[0], g[0]), (cell[2], g[2]), NOWHERE];
+        len
+    }
+
+    /// ∫ f φ over [0, 1).
+    #[inline(always)]
+    fn mean(&self) -> f64 {
+        let inside = self.at[0] >= 0.0 && self.at[2] <= 1.0;
+        if inside && self.mother == Mother::Wavelet {
+            return 0.0;
         }
-        if cell[1] == cell[0] {
-            [(cell[0], g[0] + g[1]), (cell[2], g[2]), NOWHERE]
-        } else if cell[1] == cell[2] {
-            [(cell[0], g[0]), (cell[2], g[1] + g[2]), NOWHERE]
-        } else {
-            std::array::from_fn(|k| (cell[k], g[k]))
-        }
+        let g: [f64; 3] = std::array::from_fn(|k| self.weight[k] * clamp(self.at[k], 0.0, 1.0));
+        self.amplitude * ((g[0] + 0.5 * g[1]) + (0.5 * g[1] + g[2]))
     }
 
     /// Visits the scaling functions of a level that are met, by ascending offset: (t, ∫ f φ_{l,t}).
@@ -124,10 +197,65 @@ impl Steps {
         (self.at, self.weight.map(|w| w * self.amplitude))
     }
 
+    /// Visits the atoms of a level whose coupling changes with a parameter: (t, its right-hand derivative).
+    ///
+    /// `velocity` is db_k/dp. A breakpoint moves Σ w_k G(2^l b_k − t) by w_k 2^l velocity_k g(…), g the value of the atom's mother
+    /// on the side to which the breakpoint moves; so only cells that a breakpoint lies in, or enters, are met.
+    #[inline(always)]
+    fn slopes(&self, mother: Mother, level: u32, velocity: [f64; 3], mut visit: impl FnMut(usize, f64)) {
+        let factor = self.amplitude * root_power(level as i32);
+        let count = power(level as i32);
+        let y = self.at.map(|b| b * count);
+        let cell: [f64; 3] = std::array::from_fn(|k| if velocity[k] < 0.0 { y[k].ceil() - 1.0 } else { y[k].floor() });
+        if cell[0] == cell[2] && self.mother == Mother::Wavelet {
+            // One constant piece of the atom holds the whole wavelet: it stays there.
+            let (low, high) = (y[0] - cell[0], y[2] - cell[0]);
+            let first = mother.slope(low, velocity[0]);
+            if mother == Mother::Scaling || first == mother.slope(high, velocity[2]) {
+                return;
+            }
+        }
+        let g: [f64; 3] =
+            std::array::from_fn(|k| self.weight[k] * velocity[k] * mother.slope(y[k] - cell[k], velocity[k]));
+        let mut emit = |cell: f64, value: f64| {
+            if value != 0.0 && cell >= 0.0 && cell < count {
+                visit(cell as usize, factor * value);
+            }
+        };
+        // Breakpoints ascend, and so do their cells but where one moves left and its neighbour right.
+        match (cell[0] == cell[1], cell[1] == cell[2]) {
+            (true, true) => emit(cell[0], (g[0] + 0.5 * g[1]) + (g[2] + 0.5 * g[1])),
+            (true, false) => [(cell[0], g[0] + g[1]), (cell[2], g[2])].into_iter().for_each(|(c, g)| emit(c, g)),
+            (false, true) => [(cell[0], g[0]), (cell[1], g[1] + g[2])].into_iter().for_each(|(c, g)| emit(c, g)),
+            (false, false) => (0..3).for_each(|k| emit(cell[k], g[k])),
+        }
+    }
+
+    /// As [`basis`](Self::basis), of the right-hand derivative with respect to a parameter.
+    #[inline(always)]
+    pub(super) fn basis_slopes(&self, levels: u32, velocity: [f64; 3], mut visit: impl FnMut(usize, f64)) {
+        self.slopes(Mother::Scaling, 0, velocity, |_, value| visit(0, value));
+        for level in 0..levels {
+            self.slopes(Mother::Wavelet, level, velocity, |t, value| visit((1 << level) + t, value));
+        }
+    }
+
+    /// db_k/ds or db_k/do of a transformed source atom: b = (x − o)/s.
+    #[inline(always)]
+    pub(super) fn source_velocity(&self, map: AffineMap, parameter: Parameter) -> [f64; 3] {
+        match parameter {
+            Parameter::Scale => self.at.map(|b| -b / map.scale()),
+            Parameter::Offset => [-map.scale().recip(); 3],
+        }
+    }
+
     /// Visits the functions of the 1D basis of `levels` levels that are met, by ascending flat index.
     #[inline(always)]
     pub(super) fn basis(&self, levels: u32, mut visit: impl FnMut(usize, f64)) {
-        self.scalings(0, |_, value| visit(0, value));
+        let mean = self.mean();
+        if mean != 0.0 {
+            visit(0, mean);
+        }
         for level in 0..levels {
             self.wavelets(level, |t, value| visit((1 << level) + t, value));
         }

@@ -25,7 +25,7 @@ mod select;
 mod sparse;
 mod transform_1d;
 mod transform_2d;
-mod transform_kernels;
+pub(crate) mod transform_kernels;
 mod triple;
 mod tripling;
 pub(crate) mod wavelet_tree;

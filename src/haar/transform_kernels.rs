@@ -178,7 +178,7 @@ fn synthesise_pyramid<T: Real>(levels: u32, coefs: &[T], pyramid: &mut [T]) {
 
 /// Nonstandard transform of 2^levels squared samples; `pyramid` (levels 0..levels) is filled with the means.
 #[inline(always)]
-pub(super) fn nonstandard_forward<T: Real>(levels: u32, src: &[T], dst: &mut [T], pyramid: &mut [T]) {
+pub(crate) fn nonstandard_forward<T: Real>(levels: u32, src: &[T], dst: &mut [T], pyramid: &mut [T]) {
     let Some(last) = levels.checked_sub(1) else { return dst.copy_from_slice(src) };
     let quarter = 1 << (2 * last);
     analyse_level(last, src, &mut pyramid[pyramid_offset(last)..][..quarter], &mut dst[quarter..]);
@@ -334,7 +334,7 @@ pub(super) fn line_inverse_in_place<T: Real>(levels: u32, data: &mut [T], means:
 ///
 /// The mean of rows 2t and 2t + 1 overwrites row t, the details go where they belong.
 #[inline(always)]
-pub(super) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], coefs: &mut [T]) {
+pub(crate) fn columns_forward<T: Real>(levels: u32, width: usize, data: &mut [T], coefs: &mut [T]) {
     for level in (0..levels).rev() {
         let w = 1usize << level;
         let scale = T::one() / root_power::<T>(level);

@@ -1,0 +1,157 @@
+//! Area resampling of one axis: the couplings of the pixel basis as a band of weights.
+//!
+//! In cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − N o)/s, and its weight in target cell k is the overlap
+//! of the two: the average of F(s v + o) over the cell is the weighted sum, exactly. A target cell meets at most ⌈|s|⌉ + 1 source cells.
+
+use std::ops::Range;
+
+use crate::Real;
+use crate::affine::{AffineMap, Parameter};
+
+/// What the weights are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weights {
+    /// Those of the map.
+    Value,
+    /// Their right-hand derivatives.
+    Slope(Parameter),
+}
+
+/// `count` weights for each target cell, of the source cells from `base[k]` on.
+#[derive(Debug, Clone)]
+pub(super) struct Band<T> {
+    count: usize,
+    active: Range<usize>,
+    base: Vec<u32>,
+    weight: Vec<T>,
+}
+
+impl<T: Real> Band<T> {
+    pub(super) fn new() -> Self {
+        Self { count: 0, active: 0..0, base: Vec::new(), weight: Vec::new() }
+    }
+
+    /// Sets the weights of `cells` cells.
+    #[inline(always)]
+    pub(super) fn set(&mut self, cells: usize, map: AffineMap, weights: Weights) {
+        let (n, s, o) = (cells as f64, map.scale(), map.offset() * cells as f64);
+        // A cell that is about to be met counts for a slope.
+        let margin = usize::from(weights != Weights::Value);
+        self.count = ((s.abs().ceil().min(n)) as usize + 1 + 2 * margin).min(cells);
+        let (first, last) = (-o / s, (n - o) / s);
+        let clip = |y: f64| y.clamp(0.0, n) as usize;
+        let (low, high) = (first.min(last).floor() - margin as f64, first.max(last).ceil() + margin as f64);
+        self.active = clip(low)..clip(high);
+        self.base.resize(cells, 0);
+        self.weight.resize(cells * self.count, T::zero());
+        let room = (cells - self.count) as f64;
+        for k in self.active.clone() {
+            let (from, to) = (s * k as f64 + o, s * (k + 1) as f64 + o);
+            self.base[k] = ((from.min(to)).floor() - margin as f64).clamp(0.0, room) as u32;
+        }
+        let edge = |m: f64| (m - o) / s;
+        for k in self.active.clone() {
+            let (base, k0) = (f64::from(self.base[k]), k as f64);
+            let row = &mut self.weight[k * self.count..][..self.count];
+            let mut before = edge(base);
+            for (q, w) in row.iter_mut().enumerate() {
+                let after = edge(base + (q + 1) as f64);
+                *w = T::of(match weights {
+                    Weights::Value => overlap(before, after, k0),
+                    Weights::Slope(parameter) => {
+                        let velocity = |b: f64| match parameter {
+                            Parameter::Scale => -b / s,
+                            Parameter::Offset => -n / s,
+                        };
+                        overlap_slope([before, after], [velocity(before), velocity(after)], k0)
+                    }
+                });
+                before = after;
+            }
+        }
+    }
+
+    /// Rows of `width`: dst[k] = Σ_q weight · src[base[k] + q].
+    #[inline(always)]
+    pub(super) fn combine(&self, width: usize, src: &[T], dst: &mut [T]) {
+        dst[..self.active.start * width].fill(T::zero());
+        dst[self.active.end * width..].fill(T::zero());
+        for k in self.active.clone() {
+            let rows = &src[self.base[k] as usize * width..][..self.count * width];
+            let weights = &self.weight[k * self.count..][..self.count];
+            let row = &mut dst[k * width..][..width];
+            match *weights {
+                [] => row.fill(T::zero()),
+                [a, b] => combine_rows([a, b], width, rows, row),
+                [a, b, c] => combine_rows([a, b, c], width, rows, row),
+                _ => combine_any(weights, width, rows, row),
+            }
+        }
+    }
+
+    /// The transpose of [`combine`](Self::combine): dst[base[k] + q] += weight · src[k], from 0.
+    #[inline(always)]
+    pub(super) fn scatter(&self, width: usize, src: &[T], dst: &mut [T]) {
+        dst.fill(T::zero());
+        for k in self.active.clone() {
+            let row = &src[k * width..][..width];
+            for q in 0..self.count {
+                let w = self.weight[k * self.count + q];
+                let sum = &mut dst[(self.base[k] as usize + q) * width..][..width];
+                for (sum, &x) in sum.iter_mut().zip(row) {
+                    *sum += w * x;
+                }
+            }
+        }
+    }
+}
+
+/// |[b, a) ∩ [k, k + 1)| of the ends b and a in either order.
+#[inline(always)]
+fn overlap(b: f64, a: f64, k: f64) -> f64 {
+    let (low, high) = if b < a { (b, a) } else { (a, b) };
+    let (low, high) = (if low > k { low } else { k }, if high < k + 1.0 { high } else { k + 1.0 });
+    if high > low { high - low } else { 0.0 }
+}
+
+/// The right-hand derivative of [`overlap`], its ends moving with the velocities: an end counts while it is inside, or enters.
+#[inline(always)]
+fn overlap_slope(ends: [f64; 2], velocities: [f64; 2], k: f64) -> f64 {
+    let moves = |e: usize| {
+        let (x, v) = (ends[e], velocities[e]);
+        let inside = if v < 0.0 { x > k && x <= k + 1.0 } else { x >= k && x < k + 1.0 };
+        if inside { v } else { 0.0 }
+    };
+    if ends[0] <= ends[1] { moves(1) - moves(0) } else { moves(0) - moves(1) }
+}
+
+#[inline(always)]
+fn combine_rows<T: Real, const K: usize>(weights: [T; K], width: usize, rows: &[T], out: &mut [T]) {
+    let rows: [&[T]; K] = std::array::from_fn(|q| &rows[q * width..][..width]);
+    const STEP: usize = 8;
+    let blocks = rows.map(|row| row.as_chunks::<STEP>().0);
+    let (out_blocks, rest) = out[..width].as_chunks_mut::<STEP>();
+    for (b, out) in out_blocks.iter_mut().enumerate() {
+        let mut sum = [T::zero(); STEP];
+        for q in 0..K {
+            for x in 0..STEP {
+                sum[x] += weights[q] * blocks[q][b][x];
+            }
+        }
+        *out = sum;
+    }
+    let done = width - rest.len();
+    for (x, out) in rest.iter_mut().enumerate() {
+        *out = (0..K).map(|q| weights[q] * rows[q][done + x]).sum();
+    }
+}
+
+#[inline(always)]
+fn combine_any<T: Real>(weights: &[T], width: usize, rows: &[T], out: &mut [T]) {
+    out.fill(T::zero());
+    for (&w, row) in weights.iter().zip(rows.chunks_exact(width)) {
+        for (out, &x) in out.iter_mut().zip(row) {
+            *out += w * x;
+        }
+    }
+}

@@ -1,0 +1,393 @@
+//! The affine map of a whole 2D signal: a light carried to a place, an image zoomed and moved.
+
+mod band;
+mod cost;
+mod lookups;
+mod pixels;
+mod source;
+mod targets;
+mod wavelets;
+
+use pulp::Arch;
+
+use band::{Band, Weights};
+use pixels::{Resample, Scatter};
+pub use source::PropagationSource;
+pub use targets::Targets;
+use wavelets::{Rows, TwoPass};
+
+use super::{AffineMap, Atom, NonzerosNonstandard, Parameter};
+use crate::error::check_length;
+use crate::haar::{Decomposition, Transform2d};
+use crate::{Error, Real, Result};
+
+/// How a propagation is computed; all give the same numbers to rounding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Route {
+    /// Couplings of the source's terms: in two passes, one axis after the other (standard basis), or as products (nonstandard). Its cost
+    /// grows with the terms: sparse sources.
+    Wavelets,
+    /// Exact area resampling of the decoded pixels, one axis after the other, then the Haar transform. Its cost hardly depends on
+    /// the terms: dense sources.
+    Pixels,
+    /// Each wanted coefficient from nine look-ups in a summed-area table: a few targets of a dense source. In f64; differences
+    /// of a table lose digits where |s| is small, about ε/(s_x s_y).
+    Lookups,
+}
+
+impl Route {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Wavelets, Self::Pixels, Self::Lookups];
+}
+
+/// An axis of an image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Axis {
+    /// Columns.
+    X,
+    /// Rows.
+    Y,
+}
+
+/// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y) for images of one side, in the wavelet domain.
+///
+///   L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
+///
+/// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of this side. A light's coefficients are prepared once
+/// ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its [`Targets`].
+///
+/// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
+/// Accuracy: a few ε of max |F|, by any route but for the caveat of [`Route::Lookups`].
+/// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
+///
+/// # Example
+/// ```
+/// use haarmonic::affine::{AffineMap, Propagation, PropagationScratch, PropagationSource, Targets};
+/// use haarmonic::haar::{Decomposition::Standard, forward_2d};
+/// let light = forward_2d(&[0.0, 4.0, 0.0, 8.0], 2, 2, Standard)?; // bright at the right, more so below
+/// let source = PropagationSource::from_dense(2, Standard, [&light])?;
+/// let (plan, all) = (Propagation::new(2, Standard)?, Targets::all(2, Standard)?);
+/// let right_half = [AffineMap::new(0.5, 0.5)?, AffineMap::IDENTITY];
+/// let mut seen = [0.0; 4];
+/// plan.apply(&source, right_half, &all, [&mut seen], &mut PropagationScratch::new());
+/// assert_eq!(seen, forward_2d(&[4.0, 4.0, 8.0, 8.0], 2, 2, Standard)?[..]);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Propagation<T> {
+    levels: u32,
+    transform: Transform2d<T>,
+    arch: Arch,
+}
+
+/// Working memory of [`Propagation`]; grows on first use, then is used again. One for each thread.
+#[derive(Debug, Clone)]
+pub struct PropagationScratch<T> {
+    bands: [Band<T>; 2],
+    planes: Vec<T>,
+    result: Vec<T>,
+    transform: Vec<T>,
+    rows: [Rows<T>; 2],
+    reach: Vec<(u32, T)>,
+    reach_end: Vec<u32>,
+    half: Vec<T>,
+}
+
+impl<T: Real> PropagationScratch<T> {
+    /// Empty memory.
+    pub fn new() -> Self {
+        Self {
+            bands: [Band::new(), Band::new()],
+            planes: Vec::new(),
+            result: Vec::new(),
+            transform: Vec::new(),
+            rows: [Rows::default(), Rows::default()],
+            reach: Vec::new(),
+            reach_end: Vec::new(),
+            half: Vec::new(),
+        }
+    }
+}
+
+impl<T: Real> Default for PropagationScratch<T> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The largest side of a propagation.
+const LARGEST: usize = 4096;
+
+fn check_side(side: usize) -> Result<u32> {
+    if side > LARGEST {
+        return Err(Error::OutOfRange { what: "side of an image", got: side as f64, allowed: "at most 4096" });
+    }
+    super::coupling::levels_of("side of an image", side)
+}
+
+impl<T: Real> Propagation<T> {
+    /// A plan for images of `side`² coefficients.
+    ///
+    /// # Errors
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096.
+    pub fn new(side: usize, decomposition: Decomposition) -> Result<Self> {
+        let levels = check_side(side)?;
+        Ok(Self { levels, transform: Transform2d::new(side, side, decomposition)?, arch: Arch::new() })
+    }
+
+    /// The side of an image.
+    #[inline]
+    pub fn side(&self) -> usize {
+        1 << self.levels
+    }
+
+    /// The basis.
+    #[inline]
+    pub fn decomposition(&self) -> Decomposition {
+        self.transform.decomposition()
+    }
+
+    /// The route that the cost model prefers; the same on every machine and at every time.
+    pub fn route<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+    ) -> Route {
+        cost::choose(self.levels, source, maps, targets)
+    }
+
+    /// L at the targets, for each channel of the source, by the cheapest route.
+    ///
+    /// # Panics
+    /// If the source's or the targets' side or basis is not the plan's, or the length of a plane of `out` not the number of targets.
+    #[track_caller]
+    pub fn apply<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+        out: [&mut [T]; C],
+        scratch: &mut PropagationScratch<T>,
+    ) {
+        self.apply_by(self.route(source, maps, targets), source, maps, targets, out, scratch);
+    }
+
+    /// L at the targets by a given route.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply).
+    #[track_caller]
+    pub fn apply_by<const C: usize>(
+        &self,
+        route: Route,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+        out: [&mut [T]; C],
+        scratch: &mut PropagationScratch<T>,
+    ) {
+        self.check(source, targets, &out);
+        match route {
+            Route::Pixels => self.resample(source, maps, [Weights::Value; 2], targets, out, scratch),
+            Route::Lookups => self.look_up(source, maps, targets, out),
+            Route::Wavelets => match self.decomposition() {
+                Decomposition::Nonstandard => {
+                    let nonzeros = NonzerosNonstandard::new(self.side()).expect("the plan has checked the side");
+                    wavelets::products(nonzeros, maps, &source.terms, targets, out);
+                }
+                Decomposition::Standard => {
+                    let PropagationScratch { rows, reach, reach_end, half, .. } = scratch;
+                    let (levels, terms) = (self.levels, &source.terms);
+                    self.arch.dispatch(TwoPass { levels, maps, terms, targets, rows, reach, reach_end, half, out });
+                }
+            },
+        }
+    }
+
+    /// ∂L/∂s or ∂L/∂o of one axis at the targets, right-hand where L has a kink; through pixels.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply).
+    #[track_caller]
+    pub fn derivative<const C: usize>(
+        &self,
+        (axis, parameter): (Axis, Parameter),
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+        out: [&mut [T]; C],
+        scratch: &mut PropagationScratch<T>,
+    ) {
+        self.check(source, targets, &out);
+        let mut weights = [Weights::Value; 2];
+        weights[axis as usize] = Weights::Slope(parameter);
+        self.resample(source, maps, weights, targets, out, scratch);
+    }
+
+    /// [[∂J/∂s_x, ∂J/∂o_x], [∂J/∂s_y, ∂J/∂o_y]] of J = Σ_k g_k L_k, right-hand where L has a kink: what an optimiser of a light's
+    /// place needs, with `cotangent` = ∂J/∂L.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply), of `cotangent` too.
+    #[track_caller]
+    pub fn gradient<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+        cotangent: [&[T]; C],
+        scratch: &mut PropagationScratch<T>,
+    ) -> [[f64; 2]; 2] {
+        for plane in cotangent {
+            check_length("cotangent", targets.len(), plane.len());
+        }
+        let mut slope = std::mem::take(&mut scratch.half);
+        slope.clear();
+        slope.resize(C * targets.len(), T::zero());
+        let gradient = [Axis::X, Axis::Y].map(|axis| {
+            Parameter::ALL.map(|parameter| {
+                let out = planes_of(&mut slope, targets.len());
+                self.derivative((axis, parameter), source, maps, targets, out, scratch);
+                let dot = |c: usize| -> f64 {
+                    let slope = &slope[c * targets.len()..][..targets.len()];
+                    slope.iter().zip(cotangent[c]).map(|(&l, &g)| l.widen() * g.widen()).sum()
+                };
+                (0..C).map(dot).sum()
+            })
+        });
+        scratch.half = slope;
+        gradient
+    }
+
+    /// G_i = Σ_k D_ik(s, o) g_k of all coefficients of one channel: the transpose, with ⟨apply(F), g⟩ = ⟨F, adjoint(g)⟩.
+    ///
+    /// # Panics
+    /// If a length is not `side`².
+    #[track_caller]
+    pub fn adjoint(&self, maps: [AffineMap; 2], cotangent: &[T], out: &mut [T], scratch: &mut PropagationScratch<T>) {
+        let area = self.side() * self.side();
+        check_length("cotangent", area, cotangent.len());
+        check_length("gradient", area, out.len());
+        let PropagationScratch { bands, planes, transform, .. } = scratch;
+        planes.resize(2 * area, T::zero());
+        transform.resize(self.transform.scratch_len(), T::zero());
+        // The transform is N times an isometry: with its factor, transpose and inverse cancel out.
+        self.transform.inverse(cotangent, out, transform);
+        self.arch.dispatch(Scatter { levels: self.levels, maps, bands, image: out, scratch: planes });
+        self.transform.forward_in_place(out, transform);
+    }
+
+    /// L at the targets for many pairs of maps, in parallel: `out` holds, for each pair, C planes of one value a target.
+    ///
+    /// The same bits for any number of threads.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply), or if `out.len()` is not maps × C × targets.
+    #[track_caller]
+    pub fn apply_batch<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: &[[AffineMap; 2]],
+        targets: &Targets,
+        out: &mut [T],
+    ) {
+        let piece = C * targets.len();
+        check_length("batch of target coefficients", maps.len() * piece, out.len());
+        if piece == 0 {
+            return;
+        }
+        const CHUNK: usize = 64;
+        let run = |scratch: &mut PropagationScratch<T>, (maps, out): (&[[AffineMap; 2]], &mut [T])| {
+            for (&maps, out) in maps.iter().zip(out.chunks_exact_mut(piece)) {
+                self.apply(source, maps, targets, planes_of(out, targets.len()), scratch);
+            }
+        };
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            let tasks = maps.par_chunks(CHUNK).zip(out.par_chunks_mut(CHUNK * piece));
+            tasks.for_each_init(PropagationScratch::new, run);
+        }
+        #[cfg(not(feature = "rayon"))]
+        {
+            let mut scratch = PropagationScratch::new();
+            maps.chunks(CHUNK).zip(out.chunks_mut(CHUNK * piece)).for_each(|task| run(&mut scratch, task));
+        }
+    }
+
+    #[track_caller]
+    fn check<const C: usize>(&self, source: &PropagationSource<T, C>, targets: &Targets, out: &[&mut [T]; C]) {
+        check_length("side of the source", self.side(), source.side);
+        check_length("side of the targets", self.side(), targets.side);
+        let same = source.decomposition == self.decomposition() && targets.decomposition == self.decomposition();
+        assert!(same, "the source and the targets must have the plan's basis, {:?}", self.decomposition());
+        for plane in out {
+            check_length("target coefficients", targets.len(), plane.len());
+        }
+    }
+
+    fn resample<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        weights: [Weights; 2],
+        targets: &Targets,
+        out: [&mut [T]; C],
+        scratch: &mut PropagationScratch<T>,
+    ) {
+        let PropagationScratch { bands, planes, result, transform, .. } = scratch;
+        let (levels, decomposition) = (self.levels, self.decomposition());
+        let area = self.side() * self.side();
+        planes.resize(2 * area, T::zero());
+        transform.resize(self.transform.scratch_len(), T::zero());
+        let mut run = |out: [&mut [T]; C]| {
+            let scratch = (&mut planes[..], &mut transform[..]);
+            let source = &source.pixels;
+            self.arch.dispatch(Resample { levels, decomposition, maps, weights, bands, source, out, scratch });
+        };
+        let Some(chosen) = &targets.chosen else { return run(out) };
+        result.resize(C * area, T::zero());
+        run(planes_of(result, area));
+        for (plane, out) in result.chunks_exact(area).zip(out) {
+            for (out, &k) in out.iter_mut().zip(&chosen.index) {
+                *out = plane[k as usize];
+            }
+        }
+    }
+
+    fn look_up<const C: usize>(
+        &self,
+        source: &PropagationSource<T, C>,
+        maps: [AffineMap; 2],
+        targets: &Targets,
+        mut out: [&mut [T]; C],
+    ) {
+        let side = self.side();
+        let mut one = |at: usize, [x, y]: [Atom; 2]| {
+            let table = &source.table;
+            let value = table.coefficient(&table.places(x, maps[0]), &table.places(y, maps[1]));
+            for c in 0..C {
+                out[c][at] = T::of(value[c]);
+            }
+        };
+        let atoms = |k: usize| match self.transform.decomposition() {
+            Decomposition::Standard => [Atom::from_flat(k % side), Atom::from_flat(k / side)],
+            Decomposition::Nonstandard => Atom::from_nonstandard(k),
+        };
+        match &targets.chosen {
+            None => (0..side * side).for_each(|k| one(k, atoms(k))),
+            Some(chosen) => chosen.index.iter().enumerate().for_each(|(at, &k)| one(at, atoms(k as usize))),
+        }
+    }
+}
+
+/// C planes of `len` values.
+fn planes_of<T, const C: usize>(all: &mut [T], len: usize) -> [&mut [T]; C] {
+    let mut rest = all;
+    std::array::from_fn(|_| {
+        let (plane, others) = std::mem::take(&mut rest).split_at_mut(len);
+        rest = others;
+        plane
+    })
+}

@@ -1,0 +1,101 @@
+//! Which coefficients of the transformed image are wanted.
+
+use crate::haar::Decomposition;
+use crate::{Error, Result};
+
+/// The target coefficients of a propagation: all, or a list.
+///
+/// # Example
+/// ```
+/// use haarmonic::affine::Targets;
+/// use haarmonic::haar::Decomposition;
+/// let few = Targets::new(32, Decomposition::Standard, &[0, 1, 32, 33])?;
+/// assert_eq!(few.len(), 4);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Targets {
+    pub(super) side: usize,
+    pub(super) decomposition: Decomposition,
+    pub(super) chosen: Option<Chosen>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chosen {
+    /// Flat indices, strictly ascending.
+    pub(super) index: Vec<u32>,
+    /// Standard basis: (k_y, end of its targets in `index`), for the rows that have any.
+    pub(super) rows: Vec<(u32, u32)>,
+    /// Nonstandard basis: place in `index` + 1 of each flat index, 0 where it is not wanted.
+    pub(super) place: Vec<u32>,
+}
+
+impl Targets {
+    /// All coefficients of `side`² images, in flat order.
+    ///
+    /// # Errors
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096.
+    pub fn all(side: usize, decomposition: Decomposition) -> Result<Self> {
+        super::check_side(side)?;
+        Ok(Self { side, decomposition, chosen: None })
+    }
+
+    /// The coefficients of the given flat indices, in that order.
+    ///
+    /// # Errors
+    /// As [`all`](Self::all); [`Error::OutOfRange`] unless the indices ascend strictly and are below `side`².
+    pub fn new(side: usize, decomposition: Decomposition, indices: &[u32]) -> Result<Self> {
+        super::check_side(side)?;
+        let mut next = 0u64;
+        for &i in indices {
+            if u64::from(i) < next || i as usize >= side * side {
+                let allowed = "above the index before it and below the image's area";
+                return Err(Error::OutOfRange { what: "target index", got: f64::from(i), allowed });
+            }
+            next = u64::from(i) + 1;
+        }
+        let (mut rows, mut place) = (Vec::new(), Vec::new());
+        match decomposition {
+            Decomposition::Standard => {
+                for (at, &i) in indices.iter().enumerate() {
+                    let k = i / side as u32;
+                    match rows.last_mut() {
+                        Some((row, end)) if *row == k => *end = at as u32 + 1,
+                        _ => rows.push((k, at as u32 + 1)),
+                    }
+                }
+            }
+            Decomposition::Nonstandard => {
+                place.resize(side * side, 0);
+                for (at, &i) in indices.iter().enumerate() {
+                    place[i as usize] = at as u32 + 1;
+                }
+            }
+        }
+        Ok(Self { side, decomposition, chosen: Some(Chosen { index: indices.to_vec(), rows, place }) })
+    }
+
+    /// How many there are.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.chosen.as_ref().map_or(self.side * self.side, |chosen| chosen.index.len())
+    }
+
+    /// Whether there are none.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The side of the images.
+    #[inline]
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// The basis.
+    #[inline]
+    pub fn decomposition(&self) -> Decomposition {
+        self.decomposition
+    }
+}
