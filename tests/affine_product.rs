@@ -224,6 +224,47 @@ fn differentiable() -> impl Strategy<Value = AffineMap> {
 }
 
 #[test]
+fn gradients_at_kinks_are_right_hand() {
+    // Ends, middles and cells of source and target coincide.
+    let kinks = [
+        (1.0, 0.0),
+        (1.0, 0.25),
+        (-1.0, 1.0),
+        (-1.0, 0.75),
+        (0.5, 0.5),
+        (-0.5, 1.0),
+        (2.0, -1.0),
+        (-2.0, 2.0),
+        (3.0, -1.0),
+    ];
+    let at = |n: usize| (n as f64 * 0.618).fract() - 0.3;
+    for (s, o) in kinks {
+        let map = map(s, o);
+        let [f, g, w] = [0, 1, 2].map(|m| (0..8).map(|n| at(8 * m + n)).collect::<Vec<_>>());
+        let plan = AffineProduct1d::new(&sparse(&f)).unwrap();
+        let [tg, tw] = [&g, &w].map(|x| BinaryTree::new(&sparse(x)).unwrap());
+        let want = right_gradient(map, |map| naive::triple_product(&f, &g, &w, map));
+        let image = |m: usize| (0..16).map(|n| at(16 * m + n)).collect::<Vec<_>>();
+        let square = AffineProduct2d::new([&sparse_2d(&image(0))]).unwrap();
+        let maps = [AffineMap::new(1.3, -0.2).unwrap(), map];
+        let tree = Quadtree::new(&sparse_2d(&image(1))).unwrap();
+        let want_2d = right_gradient(map, |map| truth_2d(&image(0), &[&image(1)], [maps[0], map]));
+        for route in ROUTES {
+            let got = plan.gradient_by(route, [&tg, &tw], map);
+            let got_2d = square.gradient_by(route, [&tree], maps);
+            for (got, want, name) in [
+                (got.scale[0][0], want[0], "scale"),
+                (got.offset[0][0], want[1], "offset"),
+                (got_2d.scale[1][0], want_2d[0], "scale in 2D"),
+                (got_2d.offset[1][0], want_2d[1], "offset in 2D"),
+            ] {
+                assert_close(got, want, 1e-7, &format!("{route:?}, {name}, {s} {o}"));
+            }
+        }
+    }
+}
+
+#[test]
 fn a_product_is_the_sum_over_all_triplings() {
     let value = |n: usize| (n as f64 * 0.618).fract() - 0.4;
     let map = map(-0.713, 0.9);
@@ -260,6 +301,11 @@ fn channels_sizes_and_routes() {
         let single = AffineProduct2d::new([&channels[c]]).unwrap();
         assert_eq!([all[c]], single.integral([&g], maps));
         assert_eq!(slopes.offset[1][c], single.gradient([&g], maps).offset[1][0]);
+        let [by_terms, alone] = [
+            plan.integral_by(AffineRoute::Terms, [&g], maps)[c],
+            single.integral_by(AffineRoute::Terms, [&g], maps)[0],
+        ];
+        assert_eq!(by_terms, alone);
         // Coarser factors than the light: as if they were drawn on its grid.
         let finer: Vec<f64> = (0..64).map(|p| image(4, 9)[(p / 16) * 4 + p % 8 / 2]).collect();
         let want = truth_2d(&image(8, c), &[&finer], maps);

@@ -164,9 +164,6 @@ impl<const C: usize> AffineProduct2d<C> {
     pub fn new<T: Real>(channels: [&SparseVector<T>; C]) -> Result<Self> {
         let first = channels.first().ok_or(Error::Empty { what: "list of channels" })?;
         let side = side_of(first.len())?;
-        if let Some(other) = channels.iter().find(|c| c.len() != first.len()) {
-            return Err(Error::Length { what: "coefficients of a channel", expected: first.len(), got: other.len() });
-        }
         let mut pixels: [Vec<f64>; C] = std::array::from_fn(|_| Vec::new());
         for (pixels, channel) in pixels.iter_mut().zip(channels) {
             let dense: Vec<f64> = channel.to_dense().iter().map(|c| c.widen()).collect();
