@@ -44,7 +44,7 @@ pub struct AffineGradient<const AXES: usize, const C: usize = 1> {
 /// Differences of the primitive lose as many digits as 1/|s| has: from here on term by term.
 const SMALLEST_AREA: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Terms up to which they are cheaper than differences of the primitive (measured; see the bench `affine_product`).
+/// Terms up to which they are cheaper than differences of the primitive (measured: 0.2 to 0.7 µs a term against 1 to 7 µs for all; bench `affine_product`).
 const FEW_TERMS: usize = 4;
 
 fn route(terms: usize, area: f64) -> AffineRoute {
@@ -56,7 +56,8 @@ fn route(terms: usize, area: f64) -> AffineRoute {
 ///   no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
 ///
 /// F is 0 outside [0, 1). The sizes of F and of the factors may differ. Nothing is allocated after construction.
-/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s|. Cost: see [`AffineRoute`].
+/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against the twin for n ≤ 16
+/// samples: below ¼ n ε (2 + (2 + |o|)/|s|) of it. Cost: see [`AffineRoute`].
 ///
 /// # Example
 /// ```

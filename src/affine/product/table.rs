@@ -73,7 +73,7 @@ fn points(map: AffineMap, cuts: [f64; 3], size: usize) -> Option<[Point; 3]> {
         return None;
     }
     Some(x.map(|x| {
-        let y = x.max(0.0).min(1.0) * size as f64;
+        let y = x.clamp(0.0, 1.0) * size as f64;
         let pixel = (y as usize).min(size - 1);
         Point { pixel, fraction: y - pixel as f64, free: (0.0..1.0).contains(&x) }
     }))
