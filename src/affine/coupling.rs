@@ -2,7 +2,7 @@
 
 use super::atom::{power, root_power};
 use super::steps::Steps;
-use super::{AffineMap, Atom, canonical, canonical_slope};
+use super::{AffineMap, Atom, Mother, canonical};
 use crate::haar::{Index2d, Kind};
 use crate::{Error, Result};
 
@@ -38,8 +38,8 @@ pub fn coupling(source: Atom, target: Atom, map: AffineMap) -> f64 {
 
 /// [∂D/∂s, ∂D/∂o] of [`coupling`], each the right-hand derivative where D has a kink.
 ///
-/// D is piecewise linear in o and piecewise a + b/s in s. By the chain rule from ∂M/∂r and ∂M/∂c, taken along the direction in which
-/// s or o moves (r, c), so that kinks are handled exactly.
+/// D is piecewise linear in o and piecewise a + b/s in s. A breakpoint b_k = (x − o)/s moves it by its weight times the target's value on the
+/// side to which it moves, so that kinks are handled exactly.
 ///
 /// # Example
 /// ```
@@ -50,12 +50,24 @@ pub fn coupling(source: Atom, target: Atom, map: AffineMap) -> f64 {
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
 pub fn coupling_gradient(source: Atom, target: Atom, map: AffineMap) -> [f64; 2] {
-    let [r, c] = radius_and_centre(source, target, map);
     let (s, cells) = (map.scale(), power(target.level as i32));
-    let factor = root_power(source.level as i32 - target.level as i32);
-    let along_scale = [-r / s, -(c + target.offset as f64) / s];
-    let along_offset = [0.0, -cells / s];
-    [along_scale, along_offset].map(|along| factor * canonical_slope(source.mother, target.mother, [r, c], along))
+    let factor = root_power(source.level as i32 - target.level as i32) * s.signum();
+    let weights = match source.mother {
+        Mother::Wavelet => [-1.0, 2.0, -1.0],
+        Mother::Scaling => [-1.0, 0.0, 1.0],
+    };
+    // From the breakpoints themselves: c ± r would round once more, and miss a kink.
+    let mut gradient = [0.0; 2];
+    for (weight, x) in weights.into_iter().zip(source.breakpoints()) {
+        let b = map.solve(x);
+        let y = cells * b - target.offset as f64;
+        for (slope, velocity) in gradient.iter_mut().zip([-b / s, -s.recip()]) {
+            if velocity != 0.0 {
+                *slope += factor * cells * weight * velocity * target.mother.slope(y, velocity);
+            }
+        }
+    }
+    gradient
 }
 
 /// D_ij of two functions of the 1D basis, by flat index; see [`coupling`].

@@ -183,6 +183,20 @@ impl Steps {
         }
     }
 
+    /// ∫ f φ_{l,t} of one cell, as [`scalings`](Self::scalings) finds it.
+    #[inline(always)]
+    pub(super) fn scaling(&self, level: u32, t: usize) -> f64 {
+        let y = self.at.map(|b| b * power(level as i32));
+        let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t as f64);
+        self.amplitude * root_power(-(level as i32)) * ((g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1)))
+    }
+
+    /// Breakpoints, ascending, and minus the jumps there.
+    #[inline(always)]
+    pub(super) fn jumps(&self) -> ([f64; 3], [f64; 3]) {
+        (self.at, self.weight.map(|w| w * self.amplitude))
+    }
+
     /// Visits the atoms of a level whose coupling changes with a parameter: (t, its right-hand derivative).
     ///
     /// `velocity` is db_k/dp. A breakpoint moves Σ w_k G(2^l b_k − t) by w_k 2^l velocity_k g(…), g the value of the atom's mother

@@ -28,7 +28,7 @@ mod transform_2d;
 pub(crate) mod transform_kernels;
 mod triple;
 mod tripling;
-mod wavelet_tree;
+pub(crate) mod wavelet_tree;
 
 pub use coupling::coupling;
 pub use index::{Index1d, Index2d, Kind};

@@ -1,7 +1,8 @@
 //! A light as every route wants it, prepared once and shared by all maps.
 
+use super::cost::Levels;
 use super::lookups::PrimitiveTable;
-use crate::error::check_length;
+use crate::affine::Atom;
 use crate::haar::{Decomposition, SparseVector, Transform2d};
 use crate::{Error, Real, Result};
 
@@ -28,6 +29,9 @@ pub(super) struct Terms<T, const C: usize> {
     pub(super) along: [Vec<u32>; 2],
     /// Standard basis: where each term's pair of 1D indices lies in `along`.
     pub(super) slot: Vec<[u32; 2]>,
+    /// Levels of `along`, and of the terms (standard: along x).
+    pub(super) functions: [Levels; 2],
+    pub(super) by_level: Levels,
 }
 
 impl<T: Real, const C: usize> PropagationSource<T, C> {
@@ -104,11 +108,14 @@ impl<T: Real, const C: usize> Terms<T, C> {
                 value[at][c] = v;
             }
         }
-        let mut terms = Self { index, value, along: [Vec::new(), Vec::new()], slot: Vec::new() };
-        if decomposition == Decomposition::Standard {
-            terms.group(side as u32);
+        let (along, functions) = ([Vec::new(), Vec::new()], [Levels::default(), Levels::default()]);
+        let mut terms = Self { index, value, along, slot: Vec::new(), functions, by_level: Levels::default() };
+        match decomposition {
+            Decomposition::Standard => terms.group(side as u32),
+            Decomposition::Nonstandard => {
+                terms.index.iter().for_each(|&i| terms.by_level.add(Atom::from_nonstandard(i as usize)[0].level));
+            }
         }
-        check_length("terms", terms.index.len(), terms.value.len());
         terms
     }
 
@@ -118,7 +125,9 @@ impl<T: Real, const C: usize> Terms<T, C> {
             self.along[axis] = self.index.iter().map(|&i| pair(i)[axis]).collect();
             self.along[axis].sort_unstable();
             self.along[axis].dedup();
+            self.along[axis].iter().for_each(|&k| self.functions[axis].add(Atom::from_flat(k as usize).level));
         }
+        self.index.iter().for_each(|&i| self.by_level.add(Atom::from_flat((i % side) as usize).level));
         let slot = |axis: usize, k: u32| self.along[axis].binary_search(&k).expect("every index is there") as u32;
         self.slot = self.index.iter().map(|&i| pair(i)).map(|[x, y]| [slot(0, x), slot(1, y)]).collect();
     }

@@ -1,5 +1,6 @@
 //! Which coefficients of the transformed image are wanted.
 
+use super::wavelets::is_sparse_row;
 use crate::haar::Decomposition;
 use crate::{Error, Result};
 
@@ -28,6 +29,9 @@ pub(super) struct Chosen {
     pub(super) rows: Vec<(u32, u32)>,
     /// Nonstandard basis: place in `index` + 1 of each flat index, 0 where it is not wanted.
     pub(super) place: Vec<u32>,
+    /// Standard basis: how many rows are computed whole, and how many targets alone.
+    pub(super) whole_rows: usize,
+    pub(super) alone: usize,
 }
 
 impl Targets {
@@ -72,7 +76,17 @@ impl Targets {
                 }
             }
         }
-        Ok(Self { side, decomposition, chosen: Some(Chosen { index: indices.to_vec(), rows, place }) })
+        let (mut whole_rows, mut alone, mut begin) = (0, 0, 0);
+        for &(_, end) in &rows {
+            let wanted = (end - begin) as usize;
+            begin = end;
+            if is_sparse_row(side, wanted) { alone += wanted } else { whole_rows += 1 }
+        }
+        Ok(Self {
+            side,
+            decomposition,
+            chosen: Some(Chosen { index: indices.to_vec(), rows, place, whole_rows, alone }),
+        })
     }
 
     /// How many there are.

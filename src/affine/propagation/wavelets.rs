@@ -156,7 +156,7 @@ fn some<T: Real, const C: usize>(
             out.iter_mut().for_each(|out| out[range.clone()].fill(T::zero()));
             continue;
         }
-        if wanted.len() * SINGLE < side || side < BLOCK {
+        if is_sparse_row(side, wanted.len()) {
             for (&k, at) in wanted.iter().zip(range) {
                 for c in 0..C {
                     let z = &half[c * side + column(k)..];
@@ -182,6 +182,12 @@ fn some<T: Real, const C: usize>(
             }
         }
     }
+}
+
+/// Whether the wanted targets of a row are computed one by one.
+#[inline(always)]
+pub(super) fn is_sparse_row(side: usize, wanted: usize) -> bool {
+    wanted * SINGLE < side || side < BLOCK
 }
 
 /// Of a row with fewer than a SINGLE-th of its targets wanted, each is computed alone.

@@ -1,0 +1,125 @@
+//! The atoms that a transformed atom meets, from either side, without spurious ones.
+
+use super::atom::power;
+use super::steps::Steps;
+use super::zero::vanishes;
+use super::{AffineMap, Atom, Mother, coupling};
+
+/// The atoms of a level whose coupling with a given one is not exactly zero, by ascending offset.
+pub(super) trait Met {
+    /// Visits (atom, coupling) of the wavelets: three at most.
+    fn wavelets(&self, level: u32, visit: impl FnMut(Atom, f64));
+
+    /// Visits (atom, coupling) of the scaling functions.
+    fn scalings(&self, level: u32, visit: impl FnMut(Atom, f64));
+
+    /// Visits those of the 1D basis, by ascending flat index.
+    #[inline(always)]
+    fn basis(&self, levels: u32, mut visit: impl FnMut(usize, f64)) {
+        self.scalings(0, |_, value| visit(0, value));
+        for level in 0..levels {
+            self.wavelets(level, |atom, value| visit((1 << level) + atom.offset, value));
+        }
+    }
+}
+
+/// The target atoms that a source atom meets.
+pub(super) struct Targets {
+    source: Atom,
+    map: AffineMap,
+    steps: Steps,
+}
+
+impl Targets {
+    #[inline(always)]
+    pub(super) fn new(source: Atom, map: AffineMap) -> Self {
+        Self { source, map, steps: Steps::of_source(source, map) }
+    }
+
+    /// The coupling with one scaling function, or 0.
+    #[inline(always)]
+    pub(super) fn scaling(&self, level: u32, offset: usize) -> f64 {
+        let value = self.steps.scaling(level, offset);
+        let target = Atom { mother: Mother::Scaling, level, offset };
+        if vanishes(self.source, target, self.map, value) { 0.0 } else { value }
+    }
+
+    #[inline(always)]
+    fn pass(&self, target: Atom, value: f64, mut visit: impl FnMut(Atom, f64)) {
+        if !vanishes(self.source, target, self.map, value) {
+            visit(target, value);
+        }
+    }
+}
+
+impl Met for Targets {
+    #[inline(always)]
+    fn wavelets(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
+        let atom = |offset| Atom { mother: Mother::Wavelet, level, offset };
+        self.steps.wavelets(level, |offset, value| self.pass(atom(offset), value, &mut visit));
+    }
+
+    #[inline(always)]
+    fn scalings(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
+        let atom = |offset| Atom { mother: Mother::Scaling, level, offset };
+        self.steps.scalings(level, |offset, value| self.pass(atom(offset), value, &mut visit));
+    }
+}
+
+/// The source atoms that a target atom meets.
+///
+/// Only where is found in the source: a small scale makes the target's image so narrow that differences there would be lost. How much is the
+/// closed form of the coupling, which works in the target.
+pub(super) struct Sources {
+    target: Atom,
+    map: AffineMap,
+    /// The image of the breakpoints, ascending, and the most that rounding may have moved one.
+    at: [f64; 3],
+    blur: f64,
+}
+
+impl Sources {
+    #[inline(always)]
+    pub(super) fn new(target: Atom, map: AffineMap) -> Self {
+        let mut at = target.breakpoints().map(|v| map.apply(v));
+        if map.scale() < 0.0 {
+            at.reverse();
+        }
+        Self { target, map, at, blur: 2.0 * f64::EPSILON * (map.scale().abs() + map.offset().abs()) }
+    }
+
+    #[inline(always)]
+    fn pass(&self, source: Atom, mut visit: impl FnMut(Atom, f64)) {
+        let value = coupling(source, self.target, self.map);
+        if !vanishes(source, self.target, self.map, value) {
+            visit(source, value);
+        }
+    }
+}
+
+impl Met for Sources {
+    #[inline(always)]
+    fn wavelets(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
+        let count = power(level as i32);
+        let mut next = 0.0;
+        for x in self.at {
+            let (low, high) = (((x - self.blur) * count).floor(), ((x + self.blur) * count).floor());
+            let mut cell = low.max(next);
+            while cell <= high && cell < count {
+                self.pass(Atom { mother: Mother::Wavelet, level, offset: cell as usize }, &mut visit);
+                cell += 1.0;
+            }
+            next = next.max(high + 1.0);
+        }
+    }
+
+    #[inline(always)]
+    fn scalings(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
+        let count = power(level as i32);
+        let mut cell = ((self.at[0] - self.blur) * count).floor().max(0.0);
+        while cell <= (self.at[2] + self.blur) * count && cell < count {
+            self.pass(Atom { mother: Mother::Scaling, level, offset: cell as usize }, &mut visit);
+            cell += 1.0;
+        }
+    }
+}
