@@ -142,7 +142,7 @@ fn some<T: Real, const C: usize>(
     (reach, reach_end): (&[(u32, T)], &[u32]),
     half: &[T],
     row: &mut [T],
-    out: [&mut [T]; C],
+    mut out: [&mut [T]; C],
 ) {
     let mut begin = 0;
     for &(k, end) in &chosen.rows {
@@ -152,6 +152,10 @@ fn some<T: Real, const C: usize>(
         let list = &reach[first..reach_end[k as usize] as usize];
         let wanted = &chosen.index[range.clone()];
         let column = |k: u32| k as usize & (side - 1);
+        if list.is_empty() {
+            out.iter_mut().for_each(|out| out[range.clone()].fill(T::zero()));
+            continue;
+        }
         if wanted.len() * SINGLE < side || side < BLOCK {
             for (&k, at) in wanted.iter().zip(range) {
                 for c in 0..C {

@@ -1,0 +1,110 @@
+//! Affine wavelets in pictures and tables.
+//!
+//! `cargo run --release --features io --example affine` draws the canonical coupling M(r, c) and the number of non-zero couplings
+//! against the size of the signal [Sun 2008, figs. 4.5 and 4.6], and prints what tables of couplings cost and what they get
+//! wrong. `--help` lists the options.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
+
+mod args;
+mod bases;
+mod counts;
+mod figure_m;
+mod lights;
+mod selection;
+#[path = "../support/mod.rs"]
+mod support;
+mod tables;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use args::Args;
+use clap::Parser;
+use haarmonic::io;
+use serde_json::json;
+use support::sheet::Sheet;
+
+/// Anything that ends the program with one line.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<(), Failure> {
+    args.check()?;
+    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    if let Some(threads) = args.threads {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    save(&args.out, "affine_m.png", &figure_m::draw())?;
+
+    let counts = counts::Counts::new(args)?;
+    println!("Non-zero affine couplings of two Haar bases (ACC), most of any (s, o) tried\n\n{}", counts.table());
+    save(&args.out, "affine_counts.png", &counts.draw())?;
+
+    let bases = bases::count()?;
+    println!(
+        "Non-zero couplings and triplings in different bases
+
+{}",
+        bases.table()
+    );
+
+    let canonical = tables::canonical()?;
+    println!("M(r, c) in a texture: error on 0 < r <= 1/2, -r <= c <= 1/2\n\n{}", canonical.table());
+
+    let stored = tables::stored(args.cells)?;
+    println!(
+        "Stored couplings, s in {:?} (geometric), o where the light is in sight; ~ extrapolated\n\n{}",
+        tables::SCALES,
+        stored.table()
+    );
+    println!(
+        "What the nearest entry costs: mean relative L2 error of a transformed light, N = 32\n\n{}",
+        tables::quantised()?
+    );
+
+    let selection = selection::measure()?;
+    println!(
+        "Target coefficients chosen before they are known: 32 x 32 textured lights, s in {:?}\n",
+        selection::SCALES
+    );
+    println!("{}", selection.table());
+
+    if let Some(path) = &args.report {
+        let report = json!({
+            "example": "affine",
+            "version": env!("CARGO_PKG_VERSION"),
+            "threads": rayon::current_num_threads(),
+            "results": {
+                "counts": counts.report(),
+                "bases": bases.report(),
+                "canonical_table": canonical.report(),
+                "stored_couplings": stored.report(),
+                "selection": selection.report(),
+            },
+        });
+        let text = serde_json::to_string_pretty(&report)? + "\n";
+        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+    }
+    println!("pictures: affine_m.png, affine_counts.png in {}", args.out.display());
+    Ok(())
+}
+
+fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
+    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
+}
+
+/// Two numbers in [0, 1) that fill the square evenly: multiples of the inverse powers of the plastic number.
+pub fn pair(k: usize) -> [f64; 2] {
+    let k = k as f64 + 0.5;
+    [(k * 0.754_877_666_246_692_8).fract(), (k * 0.569_840_290_998_053_3).fract()]
+}
