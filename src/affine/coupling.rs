@@ -1,7 +1,7 @@
 //! Affine coupling coefficients D_ij(s, o), one by one and all that are not zero.
 
 use super::atom::{power, root_power};
-use super::steps::Steps;
+use super::met::{Column, Met, Row};
 use super::{AffineMap, Atom, Mother, canonical};
 use crate::haar::{Index2d, Kind};
 use crate::{Error, Result};
@@ -149,13 +149,13 @@ impl Nonzeros1d {
     /// Visits (j, D_ij) of one source function i.
     #[inline]
     pub fn row(self, i: usize, map: AffineMap, visit: impl FnMut(usize, f64)) {
-        Steps::of_source(Atom::from_flat(i), map).basis(self.levels, visit);
+        Row::new(Atom::from_flat(i), map).basis(self.levels, visit);
     }
 
     /// Visits (i, D_ij) of one target function j.
     #[inline]
     pub fn column(self, j: usize, map: AffineMap, visit: impl FnMut(usize, f64)) {
-        Steps::of_target(Atom::from_flat(j), map).basis(self.levels, visit);
+        Column::new(Atom::from_flat(j), map).basis(self.levels, visit);
     }
 
     /// Visits (i, j, D_ij) of the whole operator, row by row.
@@ -204,14 +204,14 @@ impl NonzerosNonstandard {
     #[inline]
     pub fn row(self, i: usize, maps: [AffineMap; 2], visit: impl FnMut(usize, f64)) {
         let [x, y] = Atom::from_nonstandard(i);
-        self.products([Steps::of_source(x, maps[0]), Steps::of_source(y, maps[1])], visit);
+        self.products([Row::new(x, maps[0]), Row::new(y, maps[1])], visit);
     }
 
     /// Visits (i, D_ij) of one target function j, level by level.
     #[inline]
     pub fn column(self, j: usize, maps: [AffineMap; 2], visit: impl FnMut(usize, f64)) {
         let [x, y] = Atom::from_nonstandard(j);
-        self.products([Steps::of_target(x, maps[0]), Steps::of_target(y, maps[1])], visit);
+        self.products([Column::new(x, maps[0]), Column::new(y, maps[1])], visit);
     }
 
     /// Visits (i, j, D_ij) of the whole operator, row by row.
@@ -229,13 +229,13 @@ impl NonzerosNonstandard {
     }
 
     #[inline(always)]
-    fn products(self, [x, y]: [Steps; 2], mut visit: impl FnMut(usize, f64)) {
+    fn products(self, [x, y]: [impl Met; 2], mut visit: impl FnMut(usize, f64)) {
         x.scalings(0, |_, a| y.scalings(0, |_, b| visit(0, a * b)));
         for level in 0..self.levels {
             let mut emit = |kind, x, y, value| visit(Index2d::Detail { level, kind, x, y }.flat(), value);
-            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx, ty, a * b)));
-            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx, ty, a * b)));
+            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx.offset, ty.offset, a * b)));
+            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx.offset, ty.offset, a * b)));
+            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx.offset, ty.offset, a * b)));
         }
     }
 }

@@ -24,13 +24,13 @@ pub(super) trait Met {
 }
 
 /// The target atoms that a source atom meets.
-pub(super) struct Targets {
+pub(super) struct Row {
     source: Atom,
     map: AffineMap,
     steps: Steps,
 }
 
-impl Targets {
+impl Row {
     #[inline(always)]
     pub(super) fn new(source: Atom, map: AffineMap) -> Self {
         Self { source, map, steps: Steps::of_source(source, map) }
@@ -52,7 +52,7 @@ impl Targets {
     }
 }
 
-impl Met for Targets {
+impl Met for Row {
     #[inline(always)]
     fn wavelets(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
         let atom = |offset| Atom { mother: Mother::Wavelet, level, offset };
@@ -70,7 +70,7 @@ impl Met for Targets {
 ///
 /// Only where is found in the source: a small scale makes the target's image so narrow that differences there would be lost. How much is the
 /// closed form of the coupling, which works in the target.
-pub(super) struct Sources {
+pub(super) struct Column {
     target: Atom,
     map: AffineMap,
     /// The image of the breakpoints, ascending, and the most that rounding may have moved one.
@@ -78,7 +78,7 @@ pub(super) struct Sources {
     blur: f64,
 }
 
-impl Sources {
+impl Column {
     #[inline(always)]
     pub(super) fn new(target: Atom, map: AffineMap) -> Self {
         let mut at = target.breakpoints().map(|v| map.apply(v));
@@ -97,7 +97,7 @@ impl Sources {
     }
 }
 
-impl Met for Sources {
+impl Met for Column {
     #[inline(always)]
     fn wavelets(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
         let count = power(level as i32);

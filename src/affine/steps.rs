@@ -10,13 +10,15 @@
 //! piece); that is decided by comparison, so that no rounding leaves a spurious term.
 
 use super::atom::{Atom, power, root_power};
+use super::zero::vanishes;
 use super::{AffineMap, Mother, Parameter};
 use crate::Real;
 
-/// An atom seen through a map (or its inverse): −h_k at b_k, ascending, times `amplitude`.
+/// A source atom seen through a map: −h_k at b_k, ascending, times `amplitude`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Steps {
-    mother: Mother,
+    source: Atom,
+    map: AffineMap,
     at: [f64; 3],
     weight: [f64; 3],
     amplitude: f64,
@@ -97,27 +99,16 @@ impl Steps {
     /// f(s v + o) of a source atom, as a function of v.
     #[inline(always)]
     pub(super) fn of_source(atom: Atom, map: AffineMap) -> Self {
-        let at = atom.breakpoints().map(|x| map.solve(x));
-        Self::new(atom, at, map.scale() < 0.0, 1.0)
-    }
-
-    /// g((x − o)/s)/|s| of a target atom, as a function of x = s v + o.
-    #[inline(always)]
-    pub(super) fn of_target(atom: Atom, map: AffineMap) -> Self {
-        let at = atom.breakpoints().map(|v| map.apply(v));
-        Self::new(atom, at, map.scale() < 0.0, map.scale().abs().recip())
-    }
-
-    #[inline(always)]
-    fn new(atom: Atom, [low, middle, high]: [f64; 3], mirrored: bool, amplitude: f64) -> Self {
+        let [low, middle, high] = atom.breakpoints().map(|x| map.solve(x));
+        let mirrored = map.scale() < 0.0;
         let sign = if mirrored { -1.0 } else { 1.0 };
         let weight = match atom.mother {
             Mother::Wavelet => [-sign, 2.0 * sign, -sign],
             Mother::Scaling => [-1.0, 0.0, 1.0],
         };
         let at = if mirrored { [high, middle, low] } else { [low, middle, high] };
-        let amplitude = amplitude * root_power(atom.level as i32);
-        Self { mother: atom.mother, at, weight, amplitude, grid: Grid::new(atom.mother, at, weight) }
+        let amplitude = root_power(atom.level as i32);
+        Self { source: atom, map, at, weight, amplitude, grid: Grid::new(atom.mother, at, weight) }
     }
 
     /// Visits the wavelets of a level that are met, by ascending offset: (t, ∫ f ψ_{l,t}).
@@ -132,7 +123,7 @@ impl Steps {
         }
     }
 
-    /// Writes what [`basis`](Self::basis) visits to the front of `index` and `value`; returns the number. Both have at least
+    /// Writes the functions of the 1D basis of `levels` levels that are met, by ascending flat index, to the front of `index` and `value`; returns the number. Both have at least
     /// [`row_room`] places.
     #[inline(always)]
     pub(super) fn write_basis<T: Real>(&self, levels: u32, index: &mut [u32], value: &mut [T]) -> usize {
@@ -140,22 +131,37 @@ impl Steps {
         let (index, value) = (&mut index[..room], &mut value[..room]);
         let mean = self.mean();
         (index[0], value[0]) = (0, T::of(mean));
-        let mut len = usize::from(mean != 0.0);
+        let mut len = usize::from(mean != 0.0 && !self.vanishes(Mother::Scaling, 0, 0, mean));
+        // What rounding of the breakpoints can make of a sum that is zero by cancellation.
+        let doubtful =
+            (16.0 * f64::EPSILON * UNIT as f64 * (1.0 + (self.map.offset() / self.map.scale()).abs())) as u64;
         for level in self.grid.first..levels {
             let scale = self.amplitude * Grid::scale(level);
             for (cell, sum) in self.grid.met(level) {
                 (index[len], value[len]) = ((1 << level) + cell as u32, T::of(scale * sum as f64));
-                len += usize::from(sum != 0);
+                len +=
+                    usize::from(sum != 0 && (sum.unsigned_abs() > doubtful || !self.cancels(level, cell, scale, sum)));
             }
         }
         len
+    }
+
+    /// Whether the coupling with an atom, rounded to `value`, is exactly zero.
+    #[inline(always)]
+    fn vanishes(&self, mother: Mother, level: u32, offset: usize, value: f64) -> bool {
+        vanishes(self.source, Atom { mother, level, offset }, self.map, value)
+    }
+
+    #[cold]
+    fn cancels(&self, level: u32, cell: i64, scale: f64, sum: i64) -> bool {
+        self.vanishes(Mother::Wavelet, level, cell as usize, scale * sum as f64)
     }
 
     /// ∫ f φ over [0, 1).
     #[inline(always)]
     fn mean(&self) -> f64 {
         let inside = self.at[0] >= 0.0 && self.at[2] <= 1.0;
-        if inside && self.mother == Mother::Wavelet {
+        if inside && self.source.mother == Mother::Wavelet {
             return 0.0;
         }
         let g: [f64; 3] = std::array::from_fn(|k| self.weight[k] * clamp(self.at[k], 0.0, 1.0));
@@ -169,7 +175,7 @@ impl Steps {
         let count = power(level as i32);
         let y = self.at.map(|b| b * count);
         let (first, last) = (y[0].floor(), y[2].floor());
-        if first == last && self.mother == Mother::Wavelet {
+        if first == last && self.source.mother == Mother::Wavelet {
             return; // the whole wavelet inside one cell: its mean is zero
         }
         let mut t = first.max(0.0);
@@ -207,7 +213,7 @@ impl Steps {
         let count = power(level as i32);
         let y = self.at.map(|b| b * count);
         let cell: [f64; 3] = std::array::from_fn(|k| if velocity[k] < 0.0 { y[k].ceil() - 1.0 } else { y[k].floor() });
-        if cell[0] == cell[2] && self.mother == Mother::Wavelet {
+        if cell[0] == cell[2] && self.source.mother == Mother::Wavelet {
             // One constant piece of the atom holds the whole wavelet: it stays there.
             let (low, high) = (y[0] - cell[0], y[2] - cell[0]);
             let first = mother.slope(low, velocity[0]);
@@ -231,7 +237,7 @@ impl Steps {
         }
     }
 
-    /// As [`basis`](Self::basis), of the right-hand derivative with respect to a parameter.
+    /// Visits the functions of the 1D basis whose coupling changes with a parameter: (flat index, right-hand derivative).
     #[inline(always)]
     pub(super) fn basis_slopes(&self, levels: u32, velocity: [f64; 3], mut visit: impl FnMut(usize, f64)) {
         self.slopes(Mother::Scaling, 0, velocity, |_, value| visit(0, value));
@@ -246,18 +252,6 @@ impl Steps {
         match parameter {
             Parameter::Scale => self.at.map(|b| -b / map.scale()),
             Parameter::Offset => [-map.scale().recip(); 3],
-        }
-    }
-
-    /// Visits the functions of the 1D basis of `levels` levels that are met, by ascending flat index.
-    #[inline(always)]
-    pub(super) fn basis(&self, levels: u32, mut visit: impl FnMut(usize, f64)) {
-        let mean = self.mean();
-        if mean != 0.0 {
-            visit(0, mean);
-        }
-        for level in 0..levels {
-            self.wavelets(level, |t, value| visit((1 << level) + t, value));
         }
     }
 }

@@ -6,7 +6,7 @@
 
 use super::atom::root_power;
 use super::coupling::levels_of;
-use super::met::{Met, Sources, Targets};
+use super::met::{Column, Met, Row};
 use super::{AffineMap, Atom, NonzerosNonstandard, coupling, coupling_gradient};
 use crate::Result;
 use crate::haar::{Index1d, Index2d, Kind};
@@ -132,7 +132,7 @@ impl TripleNonzeros1d {
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     #[inline]
     pub fn row(self, i: usize, map: AffineMap, mut visit: impl FnMut(usize, usize, f64)) {
-        let f = Targets::new(Atom::from_flat(i), map);
+        let f = Row::new(Atom::from_flat(i), map);
         f.scalings(0, |_, value| visit(0, 0, value));
         for level in 0..self.levels {
             let (count, amplitude) = (1usize << level, root_power(level as i32));
@@ -148,7 +148,7 @@ impl TripleNonzeros1d {
     pub fn column(self, j: usize, k: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
         if let Some(product) = Atom::from_flat(j).product(Atom::from_flat(k)) {
             let factor = product.factor();
-            Sources::new(product.atom, map).basis(self.levels, |i, value| visit(i, factor * value));
+            Column::new(product.atom, map).basis(self.levels, |i, value| visit(i, factor * value));
         }
     }
 
@@ -157,7 +157,7 @@ impl TripleNonzeros1d {
     /// These are the coefficients of ψ_i(s v + o) ψ_j(v): what a light field needs.
     #[inline]
     pub fn partners(self, i: usize, j: usize, map: AffineMap, mut visit: impl FnMut(usize, f64)) {
-        let f = Targets::new(Atom::from_flat(i), map);
+        let f = Row::new(Atom::from_flat(i), map);
         let Index1d::Detail { level, offset } = Index1d::from_flat(j) else {
             return f.basis(self.levels, visit);
         };
@@ -234,7 +234,7 @@ impl TripleNonzerosNonstandard {
         let (j, k) = (Atom::from_nonstandard(j), Atom::from_nonstandard(k));
         if let (Some(x), Some(y)) = (j[0].product(k[0]), j[1].product(k[1])) {
             let factor = x.factor() * y.factor();
-            let axes = [Sources::new(x.atom, maps[0]), Sources::new(y.atom, maps[1])];
+            let axes = [Column::new(x.atom, maps[0]), Column::new(y.atom, maps[1])];
             axes[0].scalings(0, |_, a| axes[1].scalings(0, |_, b| visit(0, factor * (a * b))));
             for level in 0..self.levels {
                 each_detail(&axes, level, |i, _, value| visit(i, factor * value));
@@ -245,7 +245,7 @@ impl TripleNonzerosNonstandard {
     /// Visits (j, k, D_ijk), j ≤ k, of one source function i, level by level of k.
     pub fn row(self, i: usize, maps: [AffineMap; 2], mut visit: impl FnMut(usize, usize, f64)) {
         let [x, y] = Atom::from_nonstandard(i);
-        let axes = [Targets::new(x, maps[0]), Targets::new(y, maps[1])];
+        let axes = [Row::new(x, maps[0]), Row::new(y, maps[1])];
         axes[0].scalings(0, |_, a| axes[1].scalings(0, |_, b| visit(0, 0, a * b)));
         for level in 0..self.levels {
             let (count, amplitude) = (1usize << (2 * level), root_power(2 * level as i32));
