@@ -8,41 +8,48 @@ use crate::Real;
 use crate::affine::AffineMap;
 use crate::haar::Decomposition;
 
-/// How many functions or terms there are of each level; φ counts as level 0.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Levels([u32; 13]);
-
-impl Levels {
-    pub(super) fn add(&mut self, level: u32) {
-        self.0[level as usize] += 1;
-    }
-
-    /// Σ over the functions of the levels that are finer than their images under a map of scale 2^`log_scale`.
-    #[inline(always)]
-    fn finer(&self, levels: u32, log_scale: i32) -> f64 {
-        let mut sum = 0;
-        for l in 0..levels as i32 {
-            sum += self.0[l as usize] as i64 * i64::from((levels as i32 - l - log_scale).clamp(0, levels as i32));
-        }
-        sum as f64
-    }
-
+/// Estimates for a set of functions, tabulated over ⌊log₂|s| + ½⌋ from −REACH to REACH.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Estimates {
+    /// Σ over the functions of the levels that are finer than their images.
+    finer: [f32; 2 * REACH + 1],
     /// Σ over the functions of the cells of the finest level in their images.
-    #[inline(always)]
-    fn cells(&self, levels: u32, log_scale: i32) -> f64 {
-        let mut sum = 0;
-        for l in 0..levels as i32 {
-            sum += u64::from(self.0[l as usize]) << (levels as i32 - l - log_scale).clamp(0, levels as i32);
+    cells: [f32; 2 * REACH + 1],
+}
+
+/// More than the levels of the largest side.
+const REACH: usize = 13;
+
+impl Estimates {
+    /// For functions of the given levels (φ counts as 0), `levels` levels in all.
+    pub(super) fn new(levels: u32, functions: impl Iterator<Item = u32>) -> Self {
+        let mut estimates = Self { finer: [0.0; 2 * REACH + 1], cells: [0.0; 2 * REACH + 1] };
+        for level in functions {
+            for k in 0..=2 * REACH {
+                let finer = (levels as i32 - level as i32 + REACH as i32 - k as i32).clamp(0, levels as i32);
+                estimates.finer[k] += finer as f32;
+                estimates.cells[k] += (1u32 << finer) as f32;
+            }
         }
-        sum as f64
+        estimates
+    }
+
+    #[inline(always)]
+    fn finer(&self, log_scale: usize) -> f64 {
+        f64::from(self.finer[log_scale])
+    }
+
+    #[inline(always)]
+    fn cells(&self, log_scale: usize) -> f64 {
+        f64::from(self.cells[log_scale])
     }
 }
 
-/// ⌊log₂|s| + ½⌋, from the bits of s.
+/// ⌊log₂|s| + ½⌋ as an index of [`Estimates`], from the bits of s.
 #[inline(always)]
-fn log_scale(map: AffineMap) -> i32 {
+fn log_scale(map: AffineMap) -> usize {
     let bits = (map.scale().abs() * std::f64::consts::SQRT_2).to_bits();
-    ((bits >> 52) as i32 - 1023).clamp(-64, 64)
+    ((bits >> 52) as i32 - 1023 + REACH as i32).clamp(0, 2 * REACH as i32) as usize
 }
 
 /// What a count costs, in nanoseconds of one core (Zen 3, AVX2) in its fast state; only their ratios matter.
@@ -95,14 +102,14 @@ pub(super) fn choose<T: Real, const C: usize>(
 #[inline(always)]
 fn pixels<const C: usize>(cost: &Cost, levels: u32, maps: [AffineMap; 2], targets: &Targets) -> f64 {
     let (side, channels) = ((1u64 << levels) as f64, C as f64);
-    let weights: f64 = maps
-        .iter()
-        .map(|&map| {
-            let (a, b) = (map.solve(0.0), map.solve(1.0));
-            let rows = (a.max(b).min(1.0) - a.min(b).max(0.0)).max(0.0) * side;
-            rows * (map.scale().abs().ceil() + 1.0).min(side)
-        })
-        .sum();
+    let weights = |map: AffineMap| {
+        let (s, o) = (map.scale().abs(), map.offset());
+        let low = if map.scale() < 0.0 { o - s } else { o };
+        // Rows whose cell sees the source, and the weights of each.
+        let seen = ((low + s).min(1.0) - low.max(0.0)).max(0.0);
+        (seen + 1.5 * seen / s) * side
+    };
+    let weights = weights(maps[0]) + weights(maps[1]);
     let gather = if targets.chosen.is_some() { 0.5 * targets.len() as f64 } else { 0.0 };
     500.0 + 0.4 * weights + channels * (cost.pixel * side * side + 0.32 * cost.fused * side * weights + gather)
 }
@@ -118,8 +125,8 @@ fn two_pass<T: Real, const C: usize>(
 ) -> f64 {
     let (side, channels, terms) = ((1u64 << levels) as f64, C as f64, &source.terms);
     let log = maps.map(log_scale);
-    let entries = [0, 1].map(|axis| 3.0 * terms.functions[axis].finer(levels, log[axis]));
-    let scatter = 3.0 * terms.by_level.finer(levels, log[0]);
+    let entries = [0, 1].map(|axis| 3.0 * terms.functions[axis].finer(log[axis]));
+    let scatter = 3.0 * terms.by_level.finer(log[0]);
     let functions = (terms.along[0].len() + terms.along[1].len()) as f64;
     let first = 29.0 * functions + 1.7 * (entries[0] + entries[1]);
     let half = channels * (0.65 * scatter + 0.25 * side * terms.along[1].len() as f64);
@@ -144,7 +151,7 @@ fn products<T: Real, const C: usize>(
 ) -> f64 {
     let (channels, terms) = (C as f64, &source.terms);
     let log = log_scale(maps[0]).min(log_scale(maps[1]));
-    let products = 6.0 * terms.by_level.cells(levels, log) + 15.0 * terms.by_level.finer(levels, log);
+    let products = 6.0 * terms.by_level.cells(log) + 15.0 * terms.by_level.finer(log);
     let visits = 32.0 * terms.index.len() as f64 * f64::from(levels);
     visits + (1.45 + 0.075 * channels) * products + 0.14 * channels * targets.len() as f64
 }

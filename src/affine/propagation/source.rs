@@ -1,6 +1,6 @@
 //! A light as every route wants it, prepared once and shared by all maps.
 
-use super::cost::Levels;
+use super::cost::Estimates;
 use super::lookups::PrimitiveTable;
 use crate::affine::Atom;
 use crate::haar::{Decomposition, SparseVector, Transform2d};
@@ -29,9 +29,9 @@ pub(super) struct Terms<T, const C: usize> {
     pub(super) along: [Vec<u32>; 2],
     /// Standard basis: where each term's pair of 1D indices lies in `along`.
     pub(super) slot: Vec<[u32; 2]>,
-    /// Levels of `along`, and of the terms (standard: along x).
-    pub(super) functions: [Levels; 2],
-    pub(super) by_level: Levels,
+    /// Of `along`, and of the terms (standard: along x).
+    pub(super) functions: [Estimates; 2],
+    pub(super) by_level: Estimates,
 }
 
 impl<T: Real, const C: usize> PropagationSource<T, C> {
@@ -108,27 +108,27 @@ impl<T: Real, const C: usize> Terms<T, C> {
                 value[at][c] = v;
             }
         }
-        let (along, functions) = ([Vec::new(), Vec::new()], [Levels::default(), Levels::default()]);
-        let mut terms = Self { index, value, along, slot: Vec::new(), functions, by_level: Levels::default() };
-        match decomposition {
-            Decomposition::Standard => terms.group(side as u32),
-            Decomposition::Nonstandard => {
-                terms.index.iter().for_each(|&i| terms.by_level.add(Atom::from_nonstandard(i as usize)[0].level));
+        let pair = |i: u32| [i % side as u32, i / side as u32];
+        let mut along = [Vec::new(), Vec::new()];
+        let mut slot = Vec::new();
+        if decomposition == Decomposition::Standard {
+            for axis in 0..2 {
+                along[axis] = index.iter().map(|&i| pair(i)[axis]).collect();
+                along[axis].sort_unstable();
+                along[axis].dedup();
             }
+            let place = |axis: usize, k: u32| along[axis].binary_search(&k).expect("every index is there") as u32;
+            slot = index.iter().map(|&i| pair(i)).map(|[x, y]| [place(0, x), place(1, y)]).collect();
         }
-        terms
-    }
-
-    fn group(&mut self, side: u32) {
-        let pair = |i: u32| [i % side, i / side];
-        for axis in 0..2 {
-            self.along[axis] = self.index.iter().map(|&i| pair(i)[axis]).collect();
-            self.along[axis].sort_unstable();
-            self.along[axis].dedup();
-            self.along[axis].iter().for_each(|&k| self.functions[axis].add(Atom::from_flat(k as usize).level));
-        }
-        self.index.iter().for_each(|&i| self.by_level.add(Atom::from_flat((i % side) as usize).level));
-        let slot = |axis: usize, k: u32| self.along[axis].binary_search(&k).expect("every index is there") as u32;
-        self.slot = self.index.iter().map(|&i| pair(i)).map(|[x, y]| [slot(0, x), slot(1, y)]).collect();
+        let levels = side.ilog2();
+        let level_1d = |k: u32| Atom::from_flat(k as usize).level;
+        let functions = along.each_ref().map(|along| Estimates::new(levels, along.iter().map(|&k| level_1d(k))));
+        let by_level = match decomposition {
+            Decomposition::Standard => Estimates::new(levels, index.iter().map(|&i| level_1d(pair(i)[0]))),
+            Decomposition::Nonstandard => {
+                Estimates::new(levels, index.iter().map(|&i| Atom::from_nonstandard(i as usize)[0].level))
+            }
+        };
+        Self { index, value, along, slot, functions, by_level }
     }
 }
