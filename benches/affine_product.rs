@@ -7,7 +7,7 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use haarmonic::affine::{AffineMap, AffineProduct2d, AffineRoute};
+use haarmonic::affine::{AffineMap, AffineProduct2d, ProductRoute};
 use haarmonic::haar::{Decomposition, Quadtree, SparseVector, Transform2d, forward_2d};
 
 const SCENES: usize = 32;
@@ -153,7 +153,7 @@ fn bench(c: &mut Criterion) {
             let mut pixels = Pixels::new(side);
             for v in &case.vertices {
                 let want = pixels.integral(&case, v);
-                for route in [AffineRoute::Primitive, AffineRoute::Terms] {
+                for route in [ProductRoute::Primitive, ProductRoute::Terms] {
                     let [got] = case.plan.integral_by(route, v.trees.each_ref(), v.maps);
                     assert!((got - want).abs() < 1e-10 * want.abs().max(1.0), "{route:?}: {got} {want}");
                 }
@@ -168,12 +168,12 @@ fn bench(c: &mut Criterion) {
                 });
             };
             run("pixels", &mut |v| pixels.integral(&case, v));
-            run("primitive", &mut |v| case.plan.integral_by(AffineRoute::Primitive, v.trees.each_ref(), v.maps)[0]);
+            run("primitive", &mut |v| case.plan.integral_by(ProductRoute::Primitive, v.trees.each_ref(), v.maps)[0]);
             run("primitive, trees built", &mut |v| {
                 let trees = v.factors.each_ref().map(|f| Quadtree::new(f).expect("a square"));
-                case.plan.integral_by(AffineRoute::Primitive, trees.each_ref(), v.maps)[0]
+                case.plan.integral_by(ProductRoute::Primitive, trees.each_ref(), v.maps)[0]
             });
-            run("terms", &mut |v| case.plan.integral_by(AffineRoute::Terms, v.trees.each_ref(), v.maps)[0]);
+            run("terms", &mut |v| case.plan.integral_by(ProductRoute::Terms, v.trees.each_ref(), v.maps)[0]);
             run("gradient", &mut |v| case.plan.gradient(v.trees.each_ref(), v.maps).value[0]);
         }
         group.finish();

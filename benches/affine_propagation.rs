@@ -13,7 +13,8 @@ use std::time::{Duration, Instant};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use haarmonic::Real;
 use haarmonic::affine::{
-    AffineMap, Atom, Mother, Propagation, PropagationScratch, PropagationSource, Route, Targets, canonical_batch,
+    AffineMap, Atom, Mother, Propagation, PropagationRoute, PropagationScratch, PropagationSource, Targets,
+    canonical_batch,
 };
 use haarmonic::haar::{Decomposition, Keep, Selection, SparseVector, Transform2d, forward_2d};
 
@@ -85,7 +86,14 @@ impl<T: Real, const C: usize> Case<T, C> {
             let mut energy = vec![0.0; side * side];
             let mut out = vec![T::zero(); C * side * side];
             for &maps in &places {
-                plan.apply_by(Route::Pixels, &source, maps, &all, planes(&mut out, side * side), &mut scratch);
+                plan.apply_by(
+                    PropagationRoute::Pixels,
+                    &source,
+                    maps,
+                    &all,
+                    planes(&mut out, side * side),
+                    &mut scratch,
+                );
                 out.iter().enumerate().for_each(|(k, l)| energy[k % (side * side)] += l.widen() * l.widen());
             }
             let mut order: Vec<u32> = (0..(side * side) as u32).collect();
@@ -99,7 +107,7 @@ impl<T: Real, const C: usize> Case<T, C> {
     }
 
     /// All places once, by a route or by the engine's choice.
-    fn run(&mut self, route: Option<Route>) {
+    fn run(&mut self, route: Option<PropagationRoute>) {
         let Self { plan, source, targets, places, out, scratch } = self;
         for &maps in places.iter() {
             let (maps, out) = (black_box(maps), planes(out, targets.len()));
@@ -263,7 +271,7 @@ fn propagate(criterion: &mut Criterion) {
             let mut group = criterion.benchmark_group(format!("propagate {basis:?} {side}²"));
             let area = side * side;
             let mut full = Case::<f32, 1>::new(side, basis, area, area);
-            for route in [Route::Pixels, Route::Wavelets] {
+            for route in [PropagationRoute::Pixels, PropagationRoute::Wavelets] {
                 group.bench_function(format!("all terms, {route:?}"), |b| {
                     b.iter_custom(|n| per_place(n, || full.run(Some(route))))
                 });
@@ -325,9 +333,9 @@ fn sweep_case<T: Real, const C: usize>(side: usize, basis: Decomposition, percen
     let choices = cases[0].choices();
     let [wavelets, pixels, lookups, chosen] = &mut cases[..] else { unreachable!() };
     let time = best_of(&mut [
-        &mut || wavelets.run(Some(Route::Wavelets)),
-        &mut || pixels.run(Some(Route::Pixels)),
-        &mut || lookups.run(Some(Route::Lookups)),
+        &mut || wavelets.run(Some(PropagationRoute::Wavelets)),
+        &mut || pixels.run(Some(PropagationRoute::Pixels)),
+        &mut || lookups.run(Some(PropagationRoute::Lookups)),
         &mut || chosen.run(None),
     ]);
     let best = time[..3].iter().copied().fold(f64::INFINITY, f64::min);

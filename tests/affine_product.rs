@@ -2,7 +2,7 @@
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
 use haarmonic::affine::{
-    AffineMap, AffineProduct1d, AffineProduct2d, AffineRoute, Atom, LightField, LightFieldTerm,
+    AffineMap, AffineProduct1d, AffineProduct2d, Atom, LightField, LightFieldTerm, ProductRoute,
     affine_double_product_1d, affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
     tripling_1d, tripling_nonstandard,
 };
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 const EPS: f64 = f64::EPSILON;
-const ROUTES: [AffineRoute; 2] = [AffineRoute::Terms, AffineRoute::Primitive];
+const ROUTES: [ProductRoute; 2] = [ProductRoute::Terms, ProductRoute::Primitive];
 
 fn golden(name: &str) -> Value {
     let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
@@ -114,10 +114,10 @@ fn factors_2d() -> impl Strategy<Value = [Vec<f64>; 3]> {
 }
 
 /// By the primitive an error of ε max|F| is divided by s; term by term it is not.
-fn loss(route: AffineRoute, maps: &[AffineMap]) -> f64 {
+fn loss(route: ProductRoute, maps: &[AffineMap]) -> f64 {
     match route {
-        AffineRoute::Terms => 1.0,
-        AffineRoute::Primitive => maps.iter().map(|map| 1.0 + map.scale().recip().abs()).product(),
+        ProductRoute::Terms => 1.0,
+        ProductRoute::Primitive => maps.iter().map(|map| 1.0 + map.scale().recip().abs()).product(),
     }
 }
 
@@ -302,8 +302,8 @@ fn channels_sizes_and_routes() {
         assert_eq!([all[c]], single.integral([&g], maps));
         assert_eq!(slopes.offset[1][c], single.gradient([&g], maps).offset[1][0]);
         let [by_terms, alone] = [
-            plan.integral_by(AffineRoute::Terms, [&g], maps)[c],
-            single.integral_by(AffineRoute::Terms, [&g], maps)[0],
+            plan.integral_by(ProductRoute::Terms, [&g], maps)[c],
+            single.integral_by(ProductRoute::Terms, [&g], maps)[0],
         ];
         assert_eq!(by_terms, alone);
         // Coarser factors than the light: as if they were drawn on its grid.
@@ -313,10 +313,10 @@ fn channels_sizes_and_routes() {
             assert_close(single.integral_by(route, [&g], maps)[0], want, 1e-14, "another size");
         }
     }
-    assert_eq!(plan.route(maps), AffineRoute::Primitive);
-    assert_eq!(plan.route([map(1e-9, 0.5); 2]), AffineRoute::Terms);
+    assert_eq!(plan.route(maps), ProductRoute::Primitive);
+    assert_eq!(plan.route([map(1e-9, 0.5); 2]), ProductRoute::Terms);
     let flat = AffineProduct2d::new([&SparseVector::from_dense(&[2.0])]).unwrap();
-    assert_eq!(flat.route(maps), AffineRoute::Terms);
+    assert_eq!(flat.route(maps), ProductRoute::Terms);
     assert_eq!(flat.integral([&g], [map(1.0, 2.0); 2]), [0.0]);
     // A tiny scale sees one pixel of the light, whatever its size.
     for scale in [1e-9, -1e-9, 1e-100] {

@@ -3,8 +3,8 @@
 
 use haarmonic::Real;
 use haarmonic::affine::{
-    AffineMap, Axis, Operator1d, Parameter, Propagation, PropagationScratch, PropagationSource, Route, Targets,
-    transform_1d,
+    AffineMap, Axis, Operator1d, Parameter, Propagation, PropagationRoute, PropagationScratch, PropagationSource,
+    Targets, transform_1d,
 };
 use haarmonic::haar::{Decomposition, SparseVector, forward_1d, forward_2d, inverse_1d, inverse_2d};
 use haarmonic::reference::affine as naive;
@@ -75,7 +75,7 @@ fn maps() -> Vec<AffineMap> {
 }
 
 fn run<T: Real, const C: usize>(
-    route: Route,
+    route: PropagationRoute,
     side: usize,
     basis: Decomposition,
     channels: [&[T]; C],
@@ -93,10 +93,10 @@ fn run<T: Real, const C: usize>(
 /// The tolerance of a route in ε of max |F|, for coefficients of modulus at most that.
 ///
 /// Look-ups difference a table of rounding about ε over 1/(s_x s_y): their documented caveat.
-fn tolerance(route: Route, maps: [AffineMap; 2], epsilon: f64) -> f64 {
+fn tolerance(route: PropagationRoute, maps: [AffineMap; 2], epsilon: f64) -> f64 {
     let inverse = |m: AffineMap| m.scale().abs().recip().max(1.0);
     match route {
-        Route::Lookups => 32.0 * epsilon.max(f64::EPSILON * inverse(maps[0]) * inverse(maps[1]) * 8.0),
+        PropagationRoute::Lookups => 32.0 * epsilon.max(f64::EPSILON * inverse(maps[0]) * inverse(maps[1]) * 8.0),
         _ => 32.0 * epsilon,
     }
 }
@@ -188,11 +188,11 @@ fn golden_propagation_by_every_route() {
         for basis in BASES {
             let light = forward_2d(&image, side, side, basis).unwrap();
             let all = Targets::all(side, basis).unwrap();
-            for route in Route::ALL {
+            for route in PropagationRoute::ALL {
                 let [got] = run(route, side, basis, [&light], maps, &all);
                 let got = inverse_2d(&got, side, side, basis).unwrap();
                 // The table differences sums of the whole image.
-                let tolerance = if route == Route::Lookups { 4e-14 } else { 1e-14 } * largest(&image);
+                let tolerance = if route == PropagationRoute::Lookups { 4e-14 } else { 1e-14 } * largest(&image);
                 assert_all_close(&got, &want, tolerance, &format!("{route:?}, {basis:?}"));
                 let single: Vec<f32> = light.iter().map(|&c| c as f32).collect();
                 let [got] = run(route, side, basis, [&single], maps, &all);
@@ -217,7 +217,7 @@ fn check_side<T: Real>(side: usize, x: AffineMap, y: AffineMap) {
         let want = images
             .each_ref()
             .map(|image| forward_2d(&naive::resample_2d(image, side, side, [x, y]), side, side, basis).unwrap());
-        for route in Route::ALL {
+        for route in PropagationRoute::ALL {
             let tolerance = tolerance(route, [x, y], epsilon);
             let channels = lights.each_ref().map(Vec::as_slice);
             let got = run(route, side, basis, channels, [x, y], &all);
@@ -250,7 +250,7 @@ fn the_identity_changes_nothing_and_a_light_out_of_sight_is_black() {
     let (side, light) = (16, noise(256, 9));
     for basis in BASES {
         let all = Targets::all(side, basis).unwrap();
-        for route in Route::ALL {
+        for route in PropagationRoute::ALL {
             let [same] = run(route, side, basis, [&light], [AffineMap::IDENTITY; 2], &all);
             assert_all_close(&same, &light, 32.0 * f64::EPSILON * 16.0, &format!("{route:?}, {basis:?}"));
             for away in [map(1.0, 1.0), map(0.5, -0.5), map(-2.0, 0.0), map(1.0, 1e30)] {
@@ -315,7 +315,7 @@ fn derivatives_are_one_sided_differences() {
                     };
                     let mut seen = [h, 2.0 * h, 0.0].map(|h| {
                         let mut out = vec![0.0; 64];
-                        plan.apply_by(Route::Pixels, &source, moved(h), &all, [&mut out], &mut scratch);
+                        plan.apply_by(PropagationRoute::Pixels, &source, moved(h), &all, [&mut out], &mut scratch);
                         out
                     });
                     let mut slope = vec![f64::NAN; 64];
@@ -434,7 +434,7 @@ proptest! {
             let want = forward_2d(&naive::resample_2d(&image, 16, 16, [x, y]), 16, 16, basis).unwrap();
             let want: Vec<f64> = kept.iter().map(|&k| want[k as usize]).collect();
             let targets = Targets::new(16, basis, &kept).unwrap();
-            for route in [Route::Wavelets, Route::Pixels] {
+            for route in [PropagationRoute::Wavelets, PropagationRoute::Pixels] {
                 let [got] = run(route, 16, basis, [&light.to_dense()], [x, y], &targets);
                 let scale = largest(&image).max(1e-300);
                 assert_all_close(&got, &want, 64.0 * f64::EPSILON * scale, &format!("{route:?}, {basis:?}, {x:?} {y:?}"));
@@ -449,7 +449,7 @@ proptest! {
         for basis in BASES {
             let all = Targets::all(8, basis).unwrap();
             let sum: Vec<f64> = f.iter().zip(&g).map(|(f, g)| a * f + g).collect();
-            for route in [Route::Wavelets, Route::Pixels] {
+            for route in [PropagationRoute::Wavelets, PropagationRoute::Pixels] {
                 let [lf] = run(route, 8, basis, [&f], [x, y], &all);
                 let [lg] = run(route, 8, basis, [&g], [x, y], &all);
                 let [ls] = run(route, 8, basis, [&sum], [x, y], &all);

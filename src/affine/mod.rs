@@ -41,10 +41,10 @@ pub use pixel::{
 };
 pub use prediction::{Heuristic, Prediction, mean_squares_1d, mean_squares_2d};
 pub use product::{
-    AffineGradient, AffineProduct1d, AffineProduct2d, AffineRoute, affine_double_product_1d, affine_double_product_2d,
-    affine_triple_product_1d, affine_triple_product_2d,
+    AffineProduct1d, AffineProduct2d, ProductGradient, ProductRoute, affine_double_product_1d,
+    affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
 };
-pub use propagation::{Axis, Propagation, PropagationScratch, PropagationSource, Route, Targets};
+pub use propagation::{Axis, Propagation, PropagationRoute, PropagationScratch, PropagationSource, Targets};
 pub use stored::{StoredCouplings, StoredOperator};
 pub use table::{CanonicalTable, Filter, Quantisation};
 pub use tripling::{

@@ -7,8 +7,8 @@
 //!
 //! | route | reads | cost | when |
 //! |---|---|---|---|
-//! | [`AffineRoute::Terms`] | each term of F | terms × the nodes of G and W that its breakpoints cross | very few terms; extreme scales |
-//! | [`AffineRoute::Primitive`] | a table of F, made once | nodes of G and W, whatever F holds | otherwise |
+//! | [`ProductRoute::Terms`] | each term of F | terms × the nodes of G and W that its breakpoints cross | very few terms; extreme scales |
+//! | [`ProductRoute::Primitive`] | a table of F, made once | nodes of G and W, whatever F holds | otherwise |
 
 mod table;
 mod terms;
@@ -23,7 +23,7 @@ use crate::{Error, Real, Result};
 
 /// How the transformed factor of an affine product is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum AffineRoute {
+pub enum ProductRoute {
     /// Term by term, from the breakpoints of each.
     Terms,
     /// All at once, by differences of its primitive.
@@ -32,7 +32,7 @@ pub enum AffineRoute {
 
 /// An integral and its derivatives with respect to the maps of the axes, right-hand where they jump.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AffineGradient<const AXES: usize, const C: usize = 1> {
+pub struct ProductGradient<const AXES: usize, const C: usize = 1> {
     /// The integral, of each channel.
     pub value: [f64; C],
     /// ∂/∂s of each axis and channel.
@@ -47,8 +47,8 @@ const SMALLEST_AREA: f64 = 1.0 / (1u64 << 20) as f64;
 /// Terms up to which they are cheaper than differences of the primitive (measured: 0.2 to 0.7 µs a term against 1 to 7 µs for all; bench `affine_product`).
 const FEW_TERMS: usize = 4;
 
-fn route(terms: usize, area: f64) -> AffineRoute {
-    if terms <= FEW_TERMS || area.abs() < SMALLEST_AREA { AffineRoute::Terms } else { AffineRoute::Primitive }
+fn route(terms: usize, area: f64) -> ProductRoute {
+    if terms <= FEW_TERMS || area.abs() < SMALLEST_AREA { ProductRoute::Terms } else { ProductRoute::Primitive }
 }
 
 /// Plan of ∫ F(s v + o) Π_k G_k(v) dv over [0, 1) for one 1D signal F, many maps and factors.
@@ -57,7 +57,7 @@ fn route(terms: usize, area: f64) -> AffineRoute {
 ///
 /// F is 0 outside [0, 1). The sizes of F and of the factors may differ. Nothing is allocated after construction.
 /// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against the twin for n ≤ 16
-/// samples: below ¼ n ε (2 + (2 + |o|)/|s|) of it. Cost: see [`AffineRoute`].
+/// samples: below ¼ n ε (2 + (2 + |o|)/|s|) of it. Cost: see [`ProductRoute`].
 ///
 /// # Example
 /// ```
@@ -89,7 +89,7 @@ impl AffineProduct1d {
     }
 
     /// The route that [`integral`](Self::integral) takes.
-    pub fn route(&self, map: AffineMap) -> AffineRoute {
+    pub fn route(&self, map: AffineMap) -> ProductRoute {
         route(self.terms.len(), map.scale())
     }
 
@@ -101,34 +101,38 @@ impl AffineProduct1d {
     /// As [`integral`](Self::integral), by a given route.
     pub fn integral_by<T: Real, const K: usize>(
         &self,
-        route: AffineRoute,
+        route: ProductRoute,
         factors: [&BinaryTree<T>; K],
         map: AffineMap,
     ) -> f64 {
         let [[value]] = match route {
-            AffineRoute::Terms => self.terms.sum([map], |axes| integrate(&Value1d(axes), factors)),
-            AffineRoute::Primitive => integrate(&Values { table: &self.table, maps: [map] }, factors),
+            ProductRoute::Terms => self.terms.sum([map], |axes| integrate(&Value1d(axes), factors)),
+            ProductRoute::Primitive => integrate(&Values { table: &self.table, maps: [map] }, factors),
         };
         value
     }
 
     /// The integral and its derivatives with respect to s and o.
-    pub fn gradient<T: Real, const K: usize>(&self, factors: [&BinaryTree<T>; K], map: AffineMap) -> AffineGradient<1> {
+    pub fn gradient<T: Real, const K: usize>(
+        &self,
+        factors: [&BinaryTree<T>; K],
+        map: AffineMap,
+    ) -> ProductGradient<1> {
         self.gradient_by(self.route(map), factors, map)
     }
 
     /// As [`gradient`](Self::gradient), by a given route.
     pub fn gradient_by<T: Real, const K: usize>(
         &self,
-        route: AffineRoute,
+        route: ProductRoute,
         factors: [&BinaryTree<T>; K],
         map: AffineMap,
-    ) -> AffineGradient<1> {
+    ) -> ProductGradient<1> {
         let [value, scale, offset] = match route {
-            AffineRoute::Terms => self.terms.sum([map], |axes| integrate(&Slopes1d(axes), factors)),
-            AffineRoute::Primitive => integrate(&Slopes { table: &self.table, maps: [map] }, factors),
+            ProductRoute::Terms => self.terms.sum([map], |axes| integrate(&Slopes1d(axes), factors)),
+            ProductRoute::Primitive => integrate(&Slopes { table: &self.table, maps: [map] }, factors),
         };
-        AffineGradient { value, scale: [scale], offset: [offset] }
+        ProductGradient { value, scale: [scale], offset: [offset] }
     }
 }
 
@@ -174,7 +178,7 @@ impl<const C: usize> AffineProduct2d<C> {
     }
 
     /// The route that [`integral`](Self::integral) takes.
-    pub fn route(&self, maps: [AffineMap; 2]) -> AffineRoute {
+    pub fn route(&self, maps: [AffineMap; 2]) -> ProductRoute {
         route(self.terms.len(), maps[0].scale() * maps[1].scale())
     }
 
@@ -186,13 +190,13 @@ impl<const C: usize> AffineProduct2d<C> {
     /// As [`integral`](Self::integral), by a given route.
     pub fn integral_by<T: Real, const K: usize>(
         &self,
-        route: AffineRoute,
+        route: ProductRoute,
         factors: [&Quadtree<T>; K],
         maps: [AffineMap; 2],
     ) -> [f64; C] {
         let [value] = match route {
-            AffineRoute::Terms => self.terms.sum(maps, |axes| integrate(&Value2d(axes), factors)),
-            AffineRoute::Primitive => integrate(&Values { table: &self.table, maps }, factors),
+            ProductRoute::Terms => self.terms.sum(maps, |axes| integrate(&Value2d(axes), factors)),
+            ProductRoute::Primitive => integrate(&Values { table: &self.table, maps }, factors),
         };
         value
     }
@@ -202,22 +206,22 @@ impl<const C: usize> AffineProduct2d<C> {
         &self,
         factors: [&Quadtree<T>; K],
         maps: [AffineMap; 2],
-    ) -> AffineGradient<2, C> {
+    ) -> ProductGradient<2, C> {
         self.gradient_by(self.route(maps), factors, maps)
     }
 
     /// As [`gradient`](Self::gradient), by a given route.
     pub fn gradient_by<T: Real, const K: usize>(
         &self,
-        route: AffineRoute,
+        route: ProductRoute,
         factors: [&Quadtree<T>; K],
         maps: [AffineMap; 2],
-    ) -> AffineGradient<2, C> {
+    ) -> ProductGradient<2, C> {
         let [value, scale_x, offset_x, scale_y, offset_y] = match route {
-            AffineRoute::Terms => self.terms.sum(maps, |axes| integrate(&Slopes2d(axes), factors)),
-            AffineRoute::Primitive => integrate(&Slopes { table: &self.table, maps }, factors),
+            ProductRoute::Terms => self.terms.sum(maps, |axes| integrate(&Slopes2d(axes), factors)),
+            ProductRoute::Primitive => integrate(&Slopes { table: &self.table, maps }, factors),
         };
-        AffineGradient { value, scale: [scale_x, scale_y], offset: [offset_x, offset_y] }
+        ProductGradient { value, scale: [scale_x, scale_y], offset: [offset_x, offset_y] }
     }
 }
 

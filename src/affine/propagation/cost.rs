@@ -3,7 +3,7 @@
 //! Every route's cost is a sum of counts that are known before it runs, each times a measured constant. How many couplings a source function has
 //! is estimated: three at each level that is finer than its image, which is what it has in full view.
 
-use super::{PropagationSource, Route, Targets};
+use super::{PropagationRoute, PropagationSource, Targets};
 use crate::Real;
 use crate::affine::AffineMap;
 use crate::haar::Decomposition;
@@ -76,7 +76,7 @@ pub(super) fn choose<T: Real, const C: usize>(
     source: &PropagationSource<T, C>,
     maps: [AffineMap; 2],
     targets: &Targets,
-) -> Route {
+) -> PropagationRoute {
     let cost = Cost::of::<T>();
     let pixels = pixels::<C>(&cost, levels, maps, targets);
     // What an f64 table loses to small scales is not seen in f32.
@@ -90,11 +90,11 @@ pub(super) fn choose<T: Real, const C: usize>(
         Decomposition::Nonstandard => products(levels, source, maps, targets),
     };
     if wavelets <= pixels.min(lookups) {
-        Route::Wavelets
+        PropagationRoute::Wavelets
     } else if lookups < pixels {
-        Route::Lookups
+        PropagationRoute::Lookups
     } else {
-        Route::Pixels
+        PropagationRoute::Pixels
     }
 }
 

@@ -23,7 +23,7 @@ use crate::{Error, Real, Result};
 
 /// How a propagation is computed; all give the same numbers to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Route {
+pub enum PropagationRoute {
     /// Couplings of the source's terms: in two passes, one axis after the other (standard basis), or as products (nonstandard). Its cost
     /// grows with the terms: sparse sources.
     Wavelets,
@@ -35,7 +35,7 @@ pub enum Route {
     Lookups,
 }
 
-impl Route {
+impl PropagationRoute {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Wavelets, Self::Pixels, Self::Lookups];
 }
@@ -57,7 +57,7 @@ pub enum Axis {
 /// ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its [`Targets`].
 ///
 /// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
-/// Accuracy: a few ε of max |F|, by any route but for the caveat of [`Route::Lookups`].
+/// Accuracy: a few ε of max |F|, by any route but for the caveat of [`PropagationRoute::Lookups`].
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
 ///
 /// # Example
@@ -153,7 +153,7 @@ impl<T: Real> Propagation<T> {
         source: &PropagationSource<T, C>,
         maps: [AffineMap; 2],
         targets: &Targets,
-    ) -> Route {
+    ) -> PropagationRoute {
         cost::choose(self.levels, source, maps, targets)
     }
 
@@ -180,7 +180,7 @@ impl<T: Real> Propagation<T> {
     #[track_caller]
     pub fn apply_by<const C: usize>(
         &self,
-        route: Route,
+        route: PropagationRoute,
         source: &PropagationSource<T, C>,
         maps: [AffineMap; 2],
         targets: &Targets,
@@ -189,9 +189,9 @@ impl<T: Real> Propagation<T> {
     ) {
         self.check(source, targets, &out);
         match route {
-            Route::Pixels => self.resample(source, maps, [Weights::Value; 2], targets, out, scratch),
-            Route::Lookups => self.look_up(source, maps, targets, out),
-            Route::Wavelets => match self.decomposition() {
+            PropagationRoute::Pixels => self.resample(source, maps, [Weights::Value; 2], targets, out, scratch),
+            PropagationRoute::Lookups => self.look_up(source, maps, targets, out),
+            PropagationRoute::Wavelets => match self.decomposition() {
                 Decomposition::Nonstandard => {
                     let nonzeros = NonzerosNonstandard::new(self.side()).expect("the plan has checked the side");
                     wavelets::products(nonzeros, maps, &source.terms, targets, out);
