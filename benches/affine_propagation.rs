@@ -305,6 +305,62 @@ fn propagate(criterion: &mut Criterion) {
     }
 }
 
+/// A window of a compressed image, four times as large: in the wavelet domain, and by decompression, resampling and transformation.
+///
+/// Neither side selects terms of the result. The peer resamples by a summed-area table, or by the bands of the engine's pixel route.
+fn zoom(criterion: &mut Criterion) {
+    for basis in BASES {
+        for side in [256, 512] {
+            let mut group = criterion.benchmark_group(format!("zoom {basis:?} {side}²"));
+            let window =
+                [AffineMap::new(0.25, 0.31).expect("s is not 0"), AffineMap::new(0.25, 0.42).expect("s is not 0")];
+            let (area, plan) = (side * side, Propagation::<f32>::new(side, basis).expect("2^k"));
+            let transform = Transform2d::<f32>::new(side, side, basis).expect("2^k");
+            let (mut scratch, mut memory) = (PropagationScratch::new(), vec![0.0; transform.scratch_len()]);
+            let coefs = forward_2d(&light(side, 0), side, side, basis).expect("2^k");
+            let (mut table, mut image, mut out) = (Table::new(side, basis), vec![0.0; area], vec![0.0; area]);
+            let all = Targets::all(side, basis).expect("2^k");
+            for percent in [1, 5, 20] {
+                let terms = Selection::new(Keep::Terms(area * percent / 100)).apply(&coefs).expect("2^k");
+                let (dense, source) = (terms.to_dense(), PropagationSource::new(side, basis, [&terms]).expect("2^k"));
+                group.bench_function(BenchmarkId::new("wavelets", format!("{percent} %")), |b| {
+                    b.iter(|| {
+                        plan.apply_by(
+                            PropagationRoute::Wavelets,
+                            &source,
+                            black_box(window),
+                            &all,
+                            [&mut out],
+                            &mut scratch,
+                        );
+                    });
+                });
+                group.bench_function(BenchmarkId::new("decompress, bands, transform", format!("{percent} %")), |b| {
+                    b.iter(|| {
+                        transform.inverse(&dense, &mut image, &mut memory);
+                        plan.apply_by(
+                            PropagationRoute::Pixels,
+                            &source,
+                            black_box(window),
+                            &all,
+                            [&mut out],
+                            &mut scratch,
+                        );
+                    });
+                });
+                group.bench_function(BenchmarkId::new("decompress, table, transform", format!("{percent} %")), |b| {
+                    b.iter(|| {
+                        transform.inverse(&dense, &mut image, &mut memory);
+                        table.set(&image);
+                        table.apply(black_box(window), &mut out);
+                    });
+                });
+            }
+            group.finish();
+        }
+    }
+}
+
 /// A round is PLACES places; criterion wants the time of n of them.
 fn per_place(n: u64, mut round: impl FnMut()) -> Duration {
     let rounds = n.div_ceil(PLACES as u64);
@@ -388,6 +444,7 @@ fn all(criterion: &mut Criterion) {
         return;
     }
     propagate(criterion);
+    zoom(criterion);
 }
 
 criterion_group! {

@@ -153,5 +153,5 @@ fn products<T: Real, const C: usize>(
     let log = log_scale(maps[0]).min(log_scale(maps[1]));
     let products = 6.0 * terms.by_level.cells(log) + 15.0 * terms.by_level.finer(log);
     let visits = 32.0 * terms.index.len() as f64 * f64::from(levels);
-    visits + (1.45 + 0.075 * channels) * products + 0.14 * channels * targets.len() as f64
+    visits + (1.9 + 0.1 * channels) * products + 0.14 * channels * targets.len() as f64
 }
