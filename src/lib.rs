@@ -52,6 +52,7 @@
 //! | any number of sparse functions | their product or its integral | [`haar::NFoldProduct`] |
 //! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
 //! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
+//! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
 //! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet::DoubleRelighter` |
 //! | a static scene | new light, view and materials in each frame | `backend::wavelet::TripleRelighter` |
 //! | a method of your own | the right answer to compare with | `scene::GroundTruth`, `scene::Comparison` |

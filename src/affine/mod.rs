@@ -1,4 +1,48 @@
 //! Affine wavelets: what a Haar signal becomes when it is scaled and moved, without leaving the wavelet basis.
+//!
+//! A signal F = Σ F_i Φ_i seen through the map v ↦ s v + o has the coefficients L_k = Σ_i F_i D_ik(s, o), with the *affine coupling
+//! coefficients* D_ij = ∫ Φ_i(s v + o) Φ_j(v) dv; against a product it needs the *affine tripling coefficients* D_ijk = ∫ Φ_i(s v + o) Φ_j Φ_k dv.
+//! All of them come down to one function of two variables, the canonical coupling M(r, c). The light that a point receives from
+//! a textured rectangle is such a map of its texture, and so is a zoom into an image [Sun 2008, ch. 4].
+//!
+//! # Which one when
+//!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | r, c | M and its companions, their slopes | [`canonical`], [`canonical_batch`], [`canonical_gradient`] |
+//! | a shader | M from a texture | [`CanonicalTable`] |
+//! | two functions | D, its gradient | [`coupling_1d`], [`coupling_standard`], [`coupling_nonstandard`], [`coupling_gradient_1d`] |
+//! | three | D_ijk | [`tripling_1d`], [`tripling_standard`], [`tripling_nonstandard`] |
+//! | a function, or all | only the couplings that are not zero | [`Nonzeros1d`], [`NonzerosNonstandard`]; triplings: [`TripleNonzeros1d`], [`TripleNonzerosNonstandard`] |
+//! | a 1D signal | it, scaled and moved; the transpose; derivatives | [`Operator1d`] |
+//! | a light, thousands of places | its image at each, or a part of it | [`Propagation`], which picks the cheapest of three routes |
+//! | a light's place to be optimised | the gradient of any function of its image | [`Propagation::gradient`] |
+//! | no time for all targets | those that will matter | [`Prediction`] → [`Targets`] |
+//! | memory, few (s, o) | couplings looked up | [`StoredCouplings`] |
+//! | sparse F, G, W | ∫ F(s v + o) G W dv and its gradient | [`AffineProduct1d`], [`AffineProduct2d`] |
+//! | a light field F(v₁, v₂) | its image | [`LightField`] |
+//! | curiosity | the same in pixels and Fourier series | [`pixel_coupling`], [`fourier_coupling`] |
+//!
+//! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift by a few per cent with s):
+//!
+//! | source terms kept | targets kept | cheapest |
+//! |---|---|---|
+//! | up to about 5 % | more than 1 % | [`PropagationRoute::Wavelets`] |
+//! | more | more than 1–2 % | [`PropagationRoute::Pixels`] |
+//! | more than a few | up to 1–2 % | [`PropagationRoute::Lookups`] |
+//!
+//! In the nonstandard basis a moved wavelet has long edges of non-zero terms: the pixels win from about 1 % of the source on.
+//!
+//! # What to know
+//!
+//! - F is 0 outside [0, 1). s may be negative; s = 0 is an error, its limit is L = F(o).
+//! - L is the L² projection of F(s v + o): exact against anything of the same resolution. Projections do not chain: compose the maps
+//!   ([`AffineMap::then`]).
+//! - Non-zero couplings of an operator are Θ(N): at most 8N − (k + 2)(k + 4) of wavelets with wavelets, k = log₂ N, and 2k + 1 more with
+//!   the scaling function. Non-zero triplings are Θ(N log N).
+//! - Maps are `f64`, signals `f32` or `f64`. A derivative where the value has a kink is the right-hand one.
+//!
+//! Sources: [Sun 2008, ch. 4]; docs/errata.md lists what is wrong or missing there, docs/affine.md has the pictures.
 
 mod atom;
 mod atom_product;
