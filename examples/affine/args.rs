@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
-/// Affine wavelets in pictures and tables: the canonical coupling, how many couplings are not zero, what tables of them cost.
+/// Affine wavelets in pictures and tables: the canonical coupling, how many couplings are not zero, what tables of them cost,
+/// how long a light takes to a place.
 ///
 /// Without arguments: everything, pictures in out/affine.
 #[derive(Debug, Parser)]

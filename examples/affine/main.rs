@@ -1,12 +1,13 @@
 //! Affine wavelets in pictures and tables.
 //!
 //! `cargo run --release --features io --example affine` draws the canonical coupling M(r, c) and the number of non-zero couplings
-//! against the size of the signal [Sun 2008, figs. 4.5 and 4.6], and prints what tables of couplings cost and what they get
-//! wrong. `--help` lists the options.
+//! against the size of the signal [Sun 2008, figs. 4.5 and 4.6], prints what tables of couplings cost and what they get wrong, and
+//! draws how long a light takes to a place against the terms kept. `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;
 mod bases;
+mod contenders;
 mod counts;
 mod figure_m;
 mod lights;
@@ -14,6 +15,7 @@ mod selection;
 #[path = "../support/mod.rs"]
 mod support;
 mod tables;
+mod times;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -51,12 +53,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     save(&args.out, "affine_counts.png", &counts.draw())?;
 
     let bases = bases::count()?;
-    println!(
-        "Non-zero couplings and triplings in different bases
-
-{}",
-        bases.table()
-    );
+    println!("Non-zero couplings (ACC) and triplings (ATC) in different bases\n\n{}", bases.table());
 
     let canonical = tables::canonical()?;
     println!("M(r, c) in a texture: error on 0 < r <= 1/2, -r <= c <= 1/2\n\n{}", canonical.table());
@@ -79,6 +76,10 @@ fn run(args: &Args) -> Result<(), Failure> {
     );
     println!("{}", selection.table());
 
+    let times = times::measure()?;
+    println!("A light carried to a place: 3 channels together, f32, standard basis, one thread\n\n{}", times.table());
+    save(&args.out, "affine_times.png", &times.draw())?;
+
     if let Some(path) = &args.report {
         let report = json!({
             "example": "affine",
@@ -90,12 +91,13 @@ fn run(args: &Args) -> Result<(), Failure> {
                 "canonical_table": canonical.report(),
                 "stored_couplings": stored.report(),
                 "selection": selection.report(),
+                "times": times.report(),
             },
         });
         let text = serde_json::to_string_pretty(&report)? + "\n";
         std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
     }
-    println!("pictures: affine_m.png, affine_counts.png in {}", args.out.display());
+    println!("pictures: affine_m.png, affine_counts.png, affine_times.png in {}", args.out.display());
     Ok(())
 }
 
