@@ -16,8 +16,8 @@ use std::time::{Duration, Instant};
 use contenders::{Case, Dense, PLACES, Table, best_of, light, places};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use haarmonic::Real;
-use haarmonic::affine::PropagationRoute;
-use haarmonic::haar::{Decomposition, forward_2d};
+use haarmonic::affine::{AffineMap, Propagation, PropagationRoute, PropagationScratch, PropagationSource, Targets};
+use haarmonic::haar::{Decomposition, Keep, Selection, Transform2d, forward_2d};
 
 const BASES: [Decomposition; 2] = [Decomposition::Standard, Decomposition::Nonstandard];
 
@@ -73,7 +73,8 @@ fn zoom(criterion: &mut Criterion) {
             let transform = Transform2d::<f32>::new(side, side, basis).expect("2^k");
             let (mut scratch, mut memory) = (PropagationScratch::new(), vec![0.0; transform.scratch_len()]);
             let coefs = forward_2d(&light(side, 0), side, side, basis).expect("2^k");
-            let (mut table, mut image, mut out) = (Table::new(side, basis), vec![0.0; area], vec![0.0; area]);
+            let (mut table, mut image, mut out) =
+                (Table::new(side, basis, &[light(side, 0)]), vec![0.0; area], vec![0.0; area]);
             let all = Targets::all(side, basis).expect("2^k");
             for percent in [1, 5, 20] {
                 let terms = Selection::new(Keep::Terms(area * percent / 100)).apply(&coefs).expect("2^k");
@@ -106,7 +107,7 @@ fn zoom(criterion: &mut Criterion) {
                 group.bench_function(BenchmarkId::new("decompress, table, transform", format!("{percent} %")), |b| {
                     b.iter(|| {
                         transform.inverse(&dense, &mut image, &mut memory);
-                        table.set(&image);
+                        table.set(0, &image);
                         table.apply(black_box(window), &mut out);
                     });
                 });

@@ -228,9 +228,23 @@ impl Table {
         let transform = Transform2d::new(side, side, basis).expect("2^k");
         let scratch = vec![0.0; transform.scratch_len()];
         let (pitch, columns) = (side + 1, vec![(0, 0.0); side + 1]);
-        let sums = channels.iter().map(|pixels| summed(side, pixels)).collect();
+        let sums = channels.iter().map(|_| vec![0.0; pitch * pitch]).collect();
         let (corners, pixels) = (vec![0.0; pitch * pitch], vec![0.0; side * side]);
-        Self { side, sums, columns, corners, pixels, transform, scratch, arch: Arch::new() }
+        let mut table = Self { side, sums, columns, corners, pixels, transform, scratch, arch: Arch::new() };
+        channels.iter().enumerate().for_each(|(c, pixels)| table.set(c, pixels));
+        table
+    }
+
+    /// Tabulates another image as a channel.
+    pub fn set(&mut self, channel: usize, pixels: &[f32]) {
+        let (side, pitch, sums) = (self.side, self.side + 1, &mut self.sums[channel]);
+        for y in 0..side {
+            let mut row = 0.0;
+            for x in 0..side {
+                row += f64::from(pixels[y * side + x]);
+                sums[(y + 1) * pitch + x + 1] = sums[y * pitch + x + 1] + row;
+            }
+        }
     }
 
     /// Carries all channels to a place.
@@ -254,19 +268,6 @@ impl Table {
             transform.forward(pixels, out, scratch);
         }
     }
-}
-
-fn summed(side: usize, pixels: &[f32]) -> Vec<f64> {
-    let pitch = side + 1;
-    let mut sums = vec![0.0; pitch * pitch];
-    for y in 0..side {
-        let mut row = 0.0;
-        for x in 0..side {
-            row += f64::from(pixels[y * side + x]);
-            sums[(y + 1) * pitch + x + 1] = sums[y * pitch + x + 1] + row;
-        }
-    }
-    sums
 }
 
 /// One row of corners.
