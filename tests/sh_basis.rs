@@ -58,7 +58,6 @@ fn worst<'a>(pairs: impl IntoIterator<Item = (f64, &'a f64)>) -> f64 {
 
 #[track_caller]
 fn assert_below(error: f64, tolerance: f64, what: &str) {
-    println!("{what}: {error:.2e} of {tolerance:.2e}");
     assert!(error <= tolerance, "{what}: error {error:e} exceeds {tolerance:e}");
 }
 
