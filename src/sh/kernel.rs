@@ -1,0 +1,251 @@
+//! The walk over all (l, m) for a few points at once, and what can be done with the values on the way.
+//!
+//! y_{l,±m} = q_{l,m}(z) · {Re, Im} (x + iy)^m with q the normalised Legendre function over (1 − z²)^{m/2}, √2 included for
+//! m > 0, a polynomial in z. At fixed m:
+//!
+//!   q_{m,m} = const,  q_{l,m} = a z q_{l−1,m} − b q_{l−2,m}
+//!   a² = (4l² − 1)/(l² − m²),  b² = (2l+1)((l−1)² − m²) / ((2l−3)(l² − m²))
+//!
+//! Upwards in l is the stable direction for |z| ≤ 1. q grows no faster than ((1+√5)/2)^l: max over m of
+//! √((l+m)!/(l−m)!)/(2^m m!) at z = 1, which peaks at m = l/√5.
+//!
+//! No fused multiply-add, and each lane is computed as a single point would be: every entry point returns the same bits on
+//! every machine.
+
+use crate::Real;
+
+/// Constants of the walk, computed in `f64`.
+#[derive(Debug, Clone)]
+pub(super) struct Table<T> {
+    /// q_{m,m}.
+    diagonal: Vec<T>,
+    /// (a, b) for m = 0…, l = m+1…
+    steps: Vec<[T; 2]>,
+}
+
+impl<T: Real> Table<T> {
+    pub(super) fn new(bands: usize) -> Self {
+        let mut square = 1.0 / (4.0 * std::f64::consts::PI);
+        let (mut diagonal, mut steps) = (Vec::new(), Vec::new());
+        for m in 0..bands {
+            // N_mm² (2m−1)!!² = Π (2k+1)/2k / 4π.
+            if m > 0 {
+                square *= 1.0 + 0.5 / m as f64;
+            }
+            diagonal.push(T::of(if m == 0 { square.sqrt() } else { (2.0 * square).sqrt() }));
+            let m = m as f64;
+            steps.extend((m as usize + 1..bands).map(|l| {
+                let l = l as f64;
+                let below = (l - m) * (l + m);
+                let a = (2.0 * l - 1.0) * (2.0 * l + 1.0) / below;
+                // The factor (l−1)² − m² is 0 at l = m + 1, where 2l − 3 may be negative.
+                let b = ((l - 1.0 - m) * (l - 1.0 + m)) / below * ((2.0 * l + 1.0) / (2.0 * l - 3.0));
+                [T::of(a.sqrt()), T::of(b.max(0.0).sqrt())]
+            }));
+        }
+        Self { diagonal, steps }
+    }
+
+    #[inline(always)]
+    pub(super) fn parts(&self, bands: usize) -> (&[T], &[[T; 2]]) {
+        (&self.diagonal[..bands], &self.steps[..bands * bands.saturating_sub(1) / 2])
+    }
+}
+
+/// (x + iy)^m → (x + iy)^{m+1}.
+#[inline(always)]
+pub(super) fn turn<T: Real, const L: usize>(x: &[T; L], y: &[T; L], c: &mut [T; L], s: &mut [T; L]) {
+    for i in 0..L {
+        (c[i], s[i]) = (x[i] * c[i] - y[i] * s[i], x[i] * s[i] + y[i] * c[i]);
+    }
+}
+
+/// q_{l,m} from the two below it; `below` and `below2` move up.
+#[inline(always)]
+pub(super) fn climb<T: Real, const L: usize>(z: &[T; L], [a, b]: [T; 2], below: &mut [T; L], below2: &mut [T; L]) {
+    for i in 0..L {
+        let q = (a * z[i]) * below[i] - b * below2[i];
+        below2[i] = below[i];
+        below[i] = q;
+    }
+}
+
+/// What a walk is for. For each m ≥ 0: `begin`, then `visit` for l = m…bands−1, then `end`; c + is = (x + iy)^m.
+pub(super) trait Visitor<T, const L: usize> {
+    #[inline(always)]
+    fn begin(&mut self, _m: usize, _c: &[T; L], _s: &[T; L]) {}
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]);
+    #[inline(always)]
+    fn end(&mut self, _m: usize, _c: &[T; L], _s: &[T; L]) {}
+}
+
+/// Walks over `bands` at L points. Inlined, so that a constant `bands` unrolls.
+#[inline(always)]
+pub(super) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
+    table: &Table<T>,
+    bands: usize,
+    [x, y, z]: [&[T; L]; 3],
+    visitor: &mut V,
+) {
+    let (diagonal, mut steps) = table.parts(bands);
+    let (mut c, mut s) = ([T::one(); L], [T::zero(); L]);
+    for m in 0..bands {
+        let (column, rest) = steps.split_at(bands - 1 - m);
+        steps = rest;
+        visitor.begin(m, &c, &s);
+        let (mut below, mut below2) = ([diagonal[m]; L], [T::zero(); L]);
+        visitor.visit(m, m, &below, &c, &s);
+        for (k, &step) in column.iter().enumerate() {
+            climb(z, step, &mut below, &mut below2);
+            visitor.visit(m + 1 + k, m, &below, &c, &s);
+        }
+        visitor.end(m, &c, &s);
+        turn(x, y, &mut c, &mut s);
+    }
+}
+
+/// Stores a row for each coefficient: value of point `first + i` at `out[index · stride + first + i]`, i < `count`.
+pub(super) struct StoreRows<'a, T> {
+    pub out: &'a mut [T],
+    pub stride: usize,
+    pub first: usize,
+    pub count: usize,
+}
+
+impl<T: Real> StoreRows<'_, T> {
+    #[inline(always)]
+    fn store<const L: usize>(&mut self, row: usize, value: &[T; L]) {
+        let at = row * self.stride + self.first;
+        if self.count == L {
+            self.out[at..at + L].copy_from_slice(value);
+        } else {
+            self.out[at..at + self.count].copy_from_slice(&value[..self.count]);
+        }
+    }
+}
+
+impl<T: Real, const L: usize> Visitor<T, L> for StoreRows<'_, T> {
+    #[inline(always)]
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
+        let centre = l * (l + 1);
+        if m == 0 {
+            self.store(centre, q);
+        } else {
+            let (mut even, mut odd) = ([T::zero(); L], [T::zero(); L]);
+            for i in 0..L {
+                even[i] = q[i] * c[i];
+                odd[i] = q[i] * s[i];
+            }
+            self.store(centre + m, &even);
+            self.store(centre - m, &odd);
+        }
+    }
+}
+
+/// Stores a row for each point: `out[i · stride + index]`, i < `count`.
+pub(super) struct StorePoints<'a, T> {
+    pub out: &'a mut [T],
+    pub stride: usize,
+    pub count: usize,
+}
+
+impl<T: Real, const L: usize> Visitor<T, L> for StorePoints<'_, T> {
+    #[inline(always)]
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
+        let centre = l * (l + 1);
+        for i in 0..L {
+            if i < self.count {
+                let row = &mut self.out[i * self.stride..][..self.stride];
+                if m == 0 {
+                    row[centre] = q[i];
+                } else {
+                    row[centre + m] = q[i] * c[i];
+                    row[centre - m] = q[i] * s[i];
+                }
+            }
+        }
+    }
+}
+
+/// Σ c_i y_i. Sums over l first, at fixed m: Σ_m Re (x − iy)^m Σ_l (c_{l,m} + i c_{l,−m}) q_{l,m}.
+pub(super) struct Dot<'a, T, const L: usize> {
+    pub coefficients: &'a [T],
+    pub even: [T; L],
+    pub odd: [T; L],
+    pub sum: [T; L],
+}
+
+impl<'a, T: Real, const L: usize> Dot<'a, T, L> {
+    #[inline(always)]
+    pub(super) fn new(coefficients: &'a [T]) -> Self {
+        let zero = [T::zero(); L];
+        Self { coefficients, even: zero, odd: zero, sum: zero }
+    }
+}
+
+impl<T: Real, const L: usize> Visitor<T, L> for Dot<'_, T, L> {
+    #[inline(always)]
+    fn begin(&mut self, _: usize, _: &[T; L], _: &[T; L]) {
+        self.even = [T::zero(); L];
+        self.odd = [T::zero(); L];
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], _: &[T; L], _: &[T; L]) {
+        let centre = l * (l + 1);
+        let (even, odd) = (self.coefficients[centre + m], self.coefficients[centre - m]);
+        for i in 0..L {
+            self.even[i] += even * q[i];
+        }
+        if m > 0 {
+            for i in 0..L {
+                self.odd[i] += odd * q[i];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn end(&mut self, m: usize, c: &[T; L], s: &[T; L]) {
+        for i in 0..L {
+            self.sum[i] += if m == 0 { self.even[i] } else { self.even[i] * c[i] + self.odd[i] * s[i] };
+        }
+    }
+}
+
+/// Σ_points w y_i for C channels of weights w; a sum for each lane, `lanes[index · C + channel]`.
+pub(super) struct Accumulate<'a, T, const L: usize, const C: usize> {
+    pub lanes: &'a mut [[T; L]],
+    pub weights: [[T; L]; C],
+    pub even: [[T; L]; C],
+    pub odd: [[T; L]; C],
+}
+
+impl<T: Real, const L: usize, const C: usize> Visitor<T, L> for Accumulate<'_, T, L, C> {
+    #[inline(always)]
+    fn begin(&mut self, _: usize, c: &[T; L], s: &[T; L]) {
+        for channel in 0..C {
+            for i in 0..L {
+                self.even[channel][i] = self.weights[channel][i] * c[i];
+                self.odd[channel][i] = self.weights[channel][i] * s[i];
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], _: &[T; L], _: &[T; L]) {
+        let centre = l * (l + 1);
+        add::<T, L, C>(&mut self.lanes[(centre + m) * C..][..C], q, &self.even);
+        if m > 0 {
+            add::<T, L, C>(&mut self.lanes[(centre - m) * C..][..C], q, &self.odd);
+        }
+    }
+}
+
+#[inline(always)]
+fn add<T: Real, const L: usize, const C: usize>(lanes: &mut [[T; L]], q: &[T; L], weights: &[[T; L]; C]) {
+    for channel in 0..C {
+        for i in 0..L {
+            lanes[channel][i] += q[i] * weights[channel][i];
+        }
+    }
+}

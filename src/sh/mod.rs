@@ -1,0 +1,29 @@
+//! Spherical harmonics: the real basis at directions, its gradient, and sums over it.
+//!
+//! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
+//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
+//! holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max + 1.)
+//! Other signs, scales and layouts: [`Convention`] and [`to_complex`].
+//!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | one direction | all y_i | [`Basis::eval`] |
+//! | many directions | all y_i, a row for each coefficient (fastest) or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
+//! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
+//! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
+//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//!
+//! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
+//!
+//! Sources: the recurrence in l at fixed m of normalised Legendre functions (Holmes & Featherstone 2002, eq. 11); azimuth by
+//! (x + iy)^m. Limits: `bands` ≤ 128 in `f32`, 1024 in `f64` ([`Basis::max_bands`] says why).
+
+mod basis;
+mod convention;
+mod index;
+mod kernel;
+mod kernel_gradient;
+
+pub use basis::{Basis, eval};
+pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
+pub use index::{bands_of, coefficient_count, degree_order, index};
