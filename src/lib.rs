@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
+//! | [`sh`] | spherical harmonics: the triple-product tensor, products, squares | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
 #![cfg_attr(
@@ -99,6 +100,7 @@ pub mod numeric;
 pub mod reference;
 #[cfg(feature = "scene")]
 pub mod scene;
+pub mod sh;
 pub mod sphere;
 #[cfg(feature = "proptest")]
 pub mod strategies;

@@ -4,4 +4,5 @@ pub mod affine;
 pub mod haar;
 #[cfg(feature = "scene")]
 pub mod scene;
+pub mod sh;
 pub mod sphere;
