@@ -150,7 +150,6 @@ fn gamma_of_high_degree_is_its_integral() {
     }
 }
 
-/// Σ_k Γ_ijk² over all k is ∫ (y_i y_j)², and Σ over j and k with i fixed follows from the addition theorem.
 #[test]
 fn squares_of_gamma_sum_to_the_addition_theorem() {
     // Σ_m y_lm² = (2l+1)/4π; so Σ_{j of degree l, k of any degree} Γ_ijk² = ∫ y_i² Σ_m y_lm² = (2l+1)/4π.
@@ -196,4 +195,228 @@ fn golden_products_squares_and_matrices() {
     }
     check::<f64>(2.0 * f64::EPSILON);
     check::<f32>(2.0 * f64::from(f32::EPSILON));
+}
+
+/// Fast against naive, for bands 1, mixed, truncated, untruncated and beyond.
+#[test]
+fn every_form_equals_its_twin() {
+    fn check<T: Real>() {
+        let eps = T::epsilon().widen();
+        for [bands_a, bands_b, bands_out] in [
+            [1, 1, 1],
+            [1, 1, 4],
+            [1, 5, 3],
+            [5, 1, 5],
+            [2, 3, 4],
+            [2, 3, 6],
+            [6, 2, 1],
+            [3, 3, 5],
+            [4, 6, 9],
+            [8, 8, 8],
+            [2, 12, 12],
+        ] {
+            let what = format!("{bands_a} {bands_b} {bands_out}");
+            // Narrowed first, so that the twin sees the same numbers.
+            let widened = |x: &[T]| x.iter().map(|x| x.widen()).collect::<Vec<f64>>();
+            let a = narrow::<T>(&random(bands_a * bands_a, 1));
+            let b = narrow::<T>(&random(bands_b * bands_b, 2));
+            let c = narrow::<T>(&random(bands_out * bands_out, 3));
+            let (a64, b64, c64) = (widened(&a), widened(&b), widened(&c));
+            // 3 eps for the fast sums; the twin rounds at each of its few hundred nodes.
+            let tolerance = (3.0 * eps + 3e-15) * norm(&a64) * norm(&b64);
+            let plan = Product::<T>::new(bands_a, bands_b, bands_out).unwrap();
+            let mut out = vec![T::nan(); bands_out * bands_out];
+            plan.apply(&a, &b, &mut out);
+            assert_all_close(&out, &naive::product(&a64, &b64, bands_out), tolerance, &what);
+            let mut matrix = vec![T::nan(); out.len() * b.len()];
+            plan.matrix(&a, &mut matrix);
+            let want = naive::product_matrix(&a64, bands_b, bands_out);
+            assert_all_close(&matrix, &want, (3.0 * eps + 3e-15) * norm(&a64), &what);
+            let want = naive::triple_integral(&a64, &b64, &c64);
+            assert_close(plan.integral(&a, &b, &c).widen(), want, tolerance * norm(&c64), &what);
+            let square = Square::<T>::new(bands_a, bands_out).unwrap();
+            square.apply(&a, &mut out);
+            let want = naive::product(&a64, &a64, bands_out);
+            assert_all_close(&out, &want, (3.0 * eps + 3e-15) * norm(&a64).powi(2), &what);
+            assert_eq!((plan.bands(), square.bands()), ([bands_a, bands_b, bands_out], [bands_a, bands_out]));
+        }
+    }
+    check::<f64>();
+    check::<f32>();
+}
+
+#[test]
+fn a_batch_has_the_bits_of_single_calls() {
+    fn check<T: Real>(bands: [usize; 3], count: usize) {
+        let sizes = bands.map(|n| n * n);
+        let (a, b) = (narrow::<T>(&random(sizes[0] * count, 5)), narrow::<T>(&random(sizes[1] * count, 6)));
+        let column = |x: &[T], v: usize| x.iter().skip(v).step_by(count).copied().collect::<Vec<_>>();
+        let plan = Product::<T>::new(bands[0], bands[1], bands[2]).unwrap();
+        let square = Square::<T>::new(bands[0], bands[2]).unwrap();
+        let mut products = vec![T::nan(); sizes[2] * count];
+        let mut squares = products.clone();
+        // Dirty and longer than needed.
+        let mut scratch = vec![T::nan(); plan.scratch_len().max(square.scratch_len()) + 1];
+        plan.batch(count, &a, &b, &mut products, &mut scratch);
+        square.batch(count, &a, &mut squares, &mut scratch);
+        let mut out = vec![T::nan(); sizes[2]];
+        for v in 0..count {
+            plan.apply(&column(&a, v), &column(&b, v), &mut out);
+            assert_eq!(column(&products, v), out, "{bands:?}, vector {v} of {count}");
+            square.apply(&column(&a, v), &mut out);
+            assert_eq!(column(&squares, v), out, "{bands:?}, square {v} of {count}");
+        }
+    }
+    for bands in [[1, 1, 1], [2, 3, 6], [4, 4, 4], [6, 6, 6]] {
+        for count in [0, 1, 15, 16, 17, 32, 33, 67] {
+            check::<f32>(bands, count);
+            check::<f64>(bands, count);
+        }
+    }
+}
+
+#[test]
+fn square_takes_about_half_the_multiplications() {
+    for (bands, most) in [(2, 0.8), (4, 0.68), (6, 0.62), (8, 0.59)] {
+        let [square, product] = [
+            Square::<f32>::new(bands, bands).unwrap().multiplications() as f64,
+            Product::<f32>::new(bands, bands, bands).unwrap().multiplications() as f64,
+        ];
+        assert!(square > 0.5 * product && square < most * product, "{bands}: {square} of {product}");
+    }
+}
+
+#[test]
+fn one_is_the_constant_function_and_zero_annihilates() {
+    for bands in [1, 2, 5, 9] {
+        let f = random(bands * bands, 9);
+        let mut one = vec![0.0; bands * bands];
+        one[0] = (4.0 * PI).sqrt();
+        assert_all_close(&product_f64(&f, &one, bands), &f, 2.0 * f64::EPSILON, "f · 1");
+        assert_all_close(&product_f64(&one, &f, bands), &f, 2.0 * f64::EPSILON, "1 · f");
+        assert!(product_f64(&f, &vec![0.0; bands * bands], 2 * bands).iter().all(|x| *x == 0.0));
+    }
+}
+
+#[test]
+fn one_hot_factors_give_gamma() {
+    let tensor = TripleTensor::new(5).unwrap();
+    let hot = |n: usize, i: usize| (0..n).map(|j| f64::from(u8::from(i == j))).collect::<Vec<_>>();
+    for i in 0..9 {
+        for j in 0..25 {
+            let want: Vec<f64> = (0..16).map(|k| tensor.value(i, j, k)).collect();
+            assert_eq!(product_f64(&hot(9, i), &hot(25, j), 4), want, "{i} {j}");
+        }
+    }
+}
+
+#[test]
+fn sixteen_bands_are_accurate() {
+    let (f, g) = (random(256, 20), random(256, 21));
+    let want = naive::product(&f, &g, 16);
+    assert_all_close(&product::<f64>(&f, &g, 16), &want, 4e-15 * norm(&f) * norm(&g), "16 bands");
+}
+
+#[test]
+fn huge_tiny_and_nan_go_where_they_must() {
+    let (f, g) = (random(16, 30), random(16, 31));
+    let plain = product_f64(&f, &g, 4);
+    let scaled = |x: &[f64], s: f64| x.iter().map(|x| x * s).collect::<Vec<_>>();
+    // Powers of two are exact.
+    let (up, down) = (2f64.powi(500), 2f64.powi(-500));
+    assert_eq!(product_f64(&scaled(&f, up), &scaled(&g, down), 4), plain);
+    assert_eq!(product_f64(&scaled(&f, up), &g, 4), scaled(&plain, up));
+    // NaN in the last coefficient of a band reaches those outputs that Γ links it with, and no others.
+    let mut bad = f.clone();
+    bad[15] = f64::NAN;
+    let out = product_f64(&bad, &g, 4);
+    for (k, value) in out.iter().enumerate() {
+        let linked = (0..16).any(|j| gamma(15, j, k).unwrap() != 0.0);
+        assert_eq!(value.is_nan(), linked, "{k}");
+    }
+}
+
+#[test]
+fn bad_sizes_are_refused() {
+    for bands in [[0, 1, 1], [1, 0, 1], [1, 1, 0], [44, 44, 44], [64, 64, 64], [usize::MAX; 3]] {
+        assert!(Product::<f32>::new(bands[0], bands[1], bands[2]).is_err(), "{bands:?}");
+    }
+    assert!(TripleTensor::new(0).is_err() && TripleTensor::new(44).is_err());
+    assert!(Square::<f64>::new(0, 1).is_err() && Square::<f64>::new(1, 0).is_err());
+    // What cannot meet does not count against the limit, here 0 + 999 + 999.
+    let constant = Product::<f64>::new(1000, 1, 1).unwrap();
+    let mut out = [0.0];
+    constant.apply(&vec![2.0; 1_000_000], &[3.0], &mut out);
+    assert_close(out[0], 6.0 / (4.0 * PI).sqrt(), 4e-16, "the means alone meet");
+    // Degrees 64, 64, 0 are beyond the limit only where the rules allow them.
+    assert!(gamma(64 * 65, 64 * 65, 0).is_err());
+    assert_eq!(gamma(64 * 65, 64 * 65, 1), Ok(0.0));
+    assert_eq!(gamma(usize::MAX, usize::MAX - 5, 0), Ok(0.0));
+}
+
+#[test]
+#[should_panic(expected = "factor b: expected length 9, got 4")]
+fn a_wrong_length_panics() {
+    Product::<f32>::new(2, 3, 2).unwrap().apply(&[0.0; 4], &[0.0; 4], &mut [0.0; 4]);
+}
+
+#[test]
+#[should_panic(expected = "scratch: at least 256 expected, got 255")]
+fn a_short_scratch_panics() {
+    let plan = Product::<f32>::new(2, 2, 2).unwrap();
+    plan.batch(1, &[0.0; 4], &[0.0; 4], &mut [0.0; 4], &mut [0.0; 255]);
+}
+
+fn config() -> ProptestConfig {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
+    ProptestConfig::with_cases(cases)
+}
+
+/// An expansion of 1 to `most` bands.
+fn expansion(most: usize) -> impl Strategy<Value = Vec<f64>> {
+    (1..=most).prop_flat_map(|bands| prop::collection::vec(-10.0..10.0f64, bands * bands))
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn products_commute_and_distribute((f, g) in (expansion(7), expansion(7)), bands_out in 1usize..15, s in -4.0..4.0f64) {
+        let scale = f64::EPSILON * norm(&f) * norm(&g);
+        let fg = product_f64(&f, &g, bands_out);
+        assert_all_close(&product_f64(&g, &f, bands_out), &fg, 2.0 * scale, "commutes");
+        let scaled: Vec<f64> = f.iter().map(|f| f * s).collect();
+        let want: Vec<f64> = fg.iter().map(|x| x * s).collect();
+        assert_all_close(&product_f64(&scaled, &g, bands_out), &want, 2.0 * s.abs().max(1.0) * scale, "is linear");
+        let other = random(f.len(), 40);
+        let sum: Vec<f64> = f.iter().zip(&other).map(|(a, b)| a + b).collect();
+        let want: Vec<f64> = fg.iter().zip(product_f64(&other, &g, bands_out)).map(|(a, b)| a + b).collect();
+        assert_all_close(&product_f64(&sum, &g, bands_out), &want, 4.0 * (scale + f64::EPSILON * norm(&other) * norm(&g)), "distributes");
+    }
+
+    #[test]
+    fn untruncated_products_associate((f, g, h) in (expansion(5), expansion(5), expansion(5))) {
+        let full = |a: &[f64], b: &[f64]| product_f64(a, b, a.len().isqrt() + b.len().isqrt() - 1);
+        let scale = 8.0 * f64::EPSILON * norm(&f) * norm(&g) * norm(&h);
+        assert_all_close(&full(&full(&f, &g), &h), &full(&f, &full(&g, &h)), scale, "associates");
+    }
+
+    #[test]
+    fn matrix_square_and_integral_agree_with_the_product((f, g, h) in (expansion(6), expansion(6), expansion(6))) {
+        let bands = [&f, &g, &h].map(|x| x.len().isqrt());
+        let plan = Product::<f64>::new(bands[0], bands[1], bands[2]).unwrap();
+        let want = product_f64(&f, &g, bands[2]);
+        let scale = f64::EPSILON * norm(&f) * norm(&g);
+        let mut matrix = vec![0.0; h.len() * g.len()];
+        plan.matrix(&f, &mut matrix);
+        let got: Vec<f64> = matrix.chunks(g.len()).map(|row| row.iter().zip(&g).map(|(m, g)| m * g).sum()).collect();
+        assert_all_close(&got, &want, 2.0 * scale, "matrix");
+        let mut square = vec![0.0; h.len()];
+        Square::new(bands[0], bands[2]).unwrap().apply(&f, &mut square);
+        assert_all_close(&square, &product_f64(&f, &f, bands[2]), 2.0 * f64::EPSILON * norm(&f).powi(2), "square");
+        // ∫ f g h, whichever factor comes last.
+        let integral = plan.integral(&f, &g, &h);
+        let turned = Product::<f64>::new(bands[1], bands[2], bands[0]).unwrap().integral(&g, &h, &f);
+        assert_close(turned, integral, 2.0 * scale * norm(&h), "the integral is symmetric");
+    }
 }
