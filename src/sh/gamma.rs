@@ -42,7 +42,7 @@ pub(super) fn degree_order(flat: usize) -> (usize, isize) {
 }
 
 fn flat(l: usize, m: isize) -> usize {
-    (l * (l + 1)).strict_add_signed(m)
+    ((l * (l + 1)) as isize + m) as usize
 }
 
 /// Pascal's triangle and factorials.
@@ -191,7 +191,8 @@ pub(super) fn check_degrees(bands: [usize; 3]) -> Result<[usize; 3]> {
 ///   Γ = √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M) × sign and mean over azimuth     [Gaunt; Racah]
 ///
 /// Zeros are exact, the accidental ones too; the same value in any order of the indices, and in the convention with the
-/// Condon–Shortley phase. Accuracy: a relative 1e-15. Cost: a sum of at most l₁+l₂−l₃+1 integer terms.
+/// Condon–Shortley phase. Accuracy: 2e-15 relative (some fifteen roundings), tested so against 20-digit values
+/// below 8 bands and to 3e-14 absolute against quadrature up to degree 63. Cost: a sum of at most l₁+l₂−l₃+1 integer terms.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if the selection rules allow Γ and the three degrees add up to more than 126.
