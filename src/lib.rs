@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
-//! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions | |
+//! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions; the triple-product tensor, products | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
 #![cfg_attr(

@@ -1,5 +1,7 @@
-//! Twins of [`sh`](crate::sh): one basis function at a time, from angles.
+//! Twins of [`sh`](crate::sh): one basis function at a time from angles, products by quadrature of the sphere.
 
 mod basis;
+mod product;
 
 pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
+pub use product::{gamma, product, product_matrix, triple_integral};

@@ -1,4 +1,4 @@
-//! Spherical harmonics: the real basis at directions, its gradient, and sums over it.
+//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
 //! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
@@ -12,6 +12,10 @@
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
+//! | one | its square | [`Square`] |
+//! | three | ∫ f g h | [`Product::integral`] |
+//! | curiosity | ∫ y_i y_j y_k, all that are not zero | [`gamma`], [`TripleTensor`] |
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
 //!
@@ -20,10 +24,14 @@
 
 mod basis;
 mod convention;
+mod gamma;
 mod index;
 mod kernel;
 mod kernel_gradient;
+mod product;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
+pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
+pub use product::{Product, Square};
