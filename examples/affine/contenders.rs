@@ -105,7 +105,6 @@ impl<T: Real, const C: usize> Case<T, C> {
     }
 
     /// All places once, by a route or by the engine's choice.
-    #[inline(never)] // or its speed depends on its callers
     pub fn run(&mut self, route: Option<PropagationRoute>) {
         let Self { plan, source, targets, places, out, scratch } = self;
         for &maps in places.iter() {
