@@ -108,7 +108,7 @@ impl<T: Real> Basis<T> {
 
     /// All y_i at many directions, a row for each coefficient: `out[i · n + p]` is y_i at point p of n.
     ///
-    /// Lanes of points run through one walk, so this is the fastest form.
+    /// Lanes of points run through one walk and are stored as they are.
     ///
     /// # Panics
     /// If the three slices differ in length or `out.len()` is not bands² times it.
@@ -132,7 +132,8 @@ impl<T: Real> Basis<T> {
 
     /// The values of f = Σ c_i y_i at many directions, basis values never stored.
     ///
-    /// Cost: 2 multiplications a coefficient and point where [`eval_rows`](Self::eval_rows) and a dot product have 2 and a store and load.
+    /// Cost, counted: about 2.5 multiplications a coefficient and point; [`eval_rows`](Self::eval_rows) and a dot product have 3.5, and
+    /// a store and a load.
     ///
     /// # Panics
     /// If the slices of points and `out` differ in length or `coefficients.len()` is not bands².

@@ -8,7 +8,7 @@
 //! | you have | you want | use |
 //! |---|---|---|
 //! | one direction | all y_i | [`Basis::eval`] |
-//! | many directions | all y_i, a row for each coefficient (fastest) or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
+//! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
