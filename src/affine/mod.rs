@@ -23,13 +23,13 @@
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |
 //! | curiosity | the same in pixels and Fourier series | [`pixel_coupling`], [`fourier_coupling`] |
 //!
-//! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift by a few per cent with s):
+//! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift with s and with the machine):
 //!
 //! | source terms kept | targets kept | cheapest |
 //! |---|---|---|
-//! | up to about 5 % | more than 1 % | [`PropagationRoute::Wavelets`] |
-//! | more | more than 1–2 % | [`PropagationRoute::Pixels`] |
-//! | more than a few | up to 1–2 % | [`PropagationRoute::Lookups`] |
+//! | up to about 10 % | any | [`PropagationRoute::Wavelets`] |
+//! | more | more than about 3 % | [`PropagationRoute::Pixels`] |
+//! | more | up to about 3 % | [`PropagationRoute::Lookups`] |
 //!
 //! In the nonstandard basis a moved wavelet has long edges of non-zero terms: the pixels win from about 1 % of the source on.
 //!
