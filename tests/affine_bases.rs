@@ -1,6 +1,8 @@
 //! Pixel and Fourier couplings and triplings against golden values and naive twins.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use std::f64::consts::{PI, TAU};
 
 use haarmonic::affine::{
@@ -13,16 +15,7 @@ use haarmonic::reference::affine as naive;
 use haarmonic::strategies::{affine_map, dyadic_map, power_of_two};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn golden() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/haar_affine_tables/pixel_fourier_acc.json");
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap_or((v.as_str().unwrap(), "1"));
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
+use support::{assert_close, golden, rational};
 
 fn list(v: &Value) -> &[Value] {
     v.as_array().unwrap()
@@ -33,18 +26,13 @@ fn map(scale: f64, offset: f64) -> AffineMap {
 }
 
 #[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
-}
-
-#[track_caller]
 fn assert_near(got: Complex<f64>, want: Complex<f64>, tolerance: f64, what: &str) {
     assert!((got - want).norm() <= tolerance, "{what}: got {got}, want {want}, off by {:e}", (got - want).norm());
 }
 
 #[test]
 fn golden_pixels() {
-    let file = golden();
+    let file = golden("pixel_fourier_acc");
     for case in list(&file["pixel_n8"]) {
         let map = map(rational(&case["s"]), rational(&case["o"]));
         let want: Vec<_> = list(&case["nonzero"])
@@ -74,7 +62,7 @@ fn golden_pixels() {
 
 #[test]
 fn golden_fourier() {
-    let file = golden();
+    let file = golden("pixel_fourier_acc");
     for row in list(&file["fourier"]["rows"]) {
         let number = |k: usize| row[k].as_f64().unwrap_or_else(|| rational_or_decimal(&row[k]));
         let (p, q, map) = (number(0) as i64, number(1) as i64, map(number(2), number(3)));

@@ -2,6 +2,8 @@
 //! corrected form (docs/errata.md).
 #![cfg(feature = "reference")]
 
+mod support;
+
 use std::collections::BTreeSet;
 
 use haarmonic::Real;
@@ -11,14 +13,10 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 use Mother::{Scaling, Wavelet};
+use support::{assert_close, rational};
 
 /// Transformed function first, in the order of the golden file.
 const PAIRS: [[Mother; 2]; 4] = [[Wavelet, Wavelet], [Scaling, Wavelet], [Wavelet, Scaling], [Scaling, Scaling]];
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap();
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
 
 /// Rows of r, c, the four couplings; and the branch of fig. 4.4, "neg" for r < 0.
 fn golden() -> Vec<([f64; 6], String)> {
@@ -30,11 +28,6 @@ fn golden() -> Vec<([f64; 6], String)> {
 
 fn psi_psi(r: f64, c: f64) -> f64 {
     canonical(Wavelet, Wavelet, r, c)
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 /// (r, c) in multiples of 1/16 over all that can overlap for 0 < r ≤ 2, and some that cannot: everything in `f64` is exact there.

@@ -1,6 +1,8 @@
 //! Affine couplings one by one, and the visit of those that are not zero: against golden values, the twin and exact counts.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use std::collections::BTreeMap;
 
 use haarmonic::affine::{
@@ -11,24 +13,7 @@ use haarmonic::reference::affine as naive;
 use haarmonic::strategies::{affine_map, dyadic_map};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap_or((v.as_str().unwrap(), "1"));
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
-
-fn half_power(m: &Value, e: &Value) -> f64 {
-    rational(m) * if e.as_u64() == Some(1) { 2f64.sqrt() } else { 1.0 }
-}
-
-fn map(s: f64, o: f64) -> AffineMap {
-    AffineMap::new(s, o).unwrap()
-}
+use support::{assert_close, golden, half_power, map, rational};
 
 fn map_of(case: &Value) -> AffineMap {
     map(rational(&case["s"]), rational(&case["o"]))
@@ -50,11 +35,6 @@ fn all(size: usize, m: AffineMap) -> Entries {
         assert!(entries.insert((i, j), d).is_none(), "({i}, {j}) is visited twice for {m:?}");
     });
     entries
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 #[test]

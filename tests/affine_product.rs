@@ -1,6 +1,8 @@
 //! Affine product integrals and light fields against golden values and naive twins.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use haarmonic::affine::{
     AffineMap, AffineProduct1d, AffineProduct2d, Atom, LightField, LightFieldTerm, ProductRoute,
     affine_double_product_1d, affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
@@ -10,20 +12,10 @@ use haarmonic::haar::{BinaryTree, Quadtree, SparseVector};
 use haarmonic::reference::{affine as naive, haar as naive_haar};
 use haarmonic::{Error, Real, strategies};
 use proptest::prelude::*;
-use serde_json::Value;
+use support::{assert_close, differentiable, golden, rational, right_gradient};
 
 const EPS: f64 = f64::EPSILON;
 const ROUTES: [ProductRoute; 2] = [ProductRoute::Terms, ProductRoute::Primitive];
-
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap();
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
 
 fn map(scale: f64, offset: f64) -> AffineMap {
     AffineMap::new(scale, offset).unwrap()
@@ -33,11 +25,6 @@ fn map(scale: f64, offset: f64) -> AffineMap {
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 fn narrow<T: Real>(dense: &[f64]) -> SparseVector<T> {
@@ -201,26 +188,6 @@ proptest! {
             }
         }
     }
-}
-
-/// The right-hand derivative of `f` at 0 of a function that is a + b/(1 + x) without kinks within the step; good to O(h²) + O(ε/h).
-fn right_slope(f: impl Fn(f64) -> f64) -> f64 {
-    let step = 2f64.powi(-20);
-    let difference = |h: f64| (f(h) - f(0.0)) / h;
-    2.0 * difference(step / 2.0) - difference(step)
-}
-
-/// [∂/∂s, ∂/∂o], right-hand, of a function of a map.
-fn right_gradient(map: AffineMap, f: impl Fn(AffineMap) -> f64) -> [f64; 2] {
-    let moved = |ds: f64, d_o: f64| AffineMap::new(map.scale() + ds, map.offset() + d_o).unwrap();
-    [right_slope(|h| f(moved(h, 0.0))), right_slope(|h| f(moved(0.0, h)))]
-}
-
-/// Maps of moderate scale whose kinks the differences do not step over: of few binary places, or of none in common with a cell.
-fn differentiable() -> impl Strategy<Value = AffineMap> {
-    let generic = [map(0.713, 0.2), map(-1.3719, 1.2113), map(2.613, -0.737), map(-0.5471, 0.7)];
-    prop_oneof![strategies::dyadic_map(), prop::sample::select(generic.to_vec())]
-        .prop_filter("a moderate scale", |map| (0.2..8.0).contains(&map.scale().abs()) && map.offset().abs() < 8.0)
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Whole signals through affine maps: every route against golden values, the naive twin and each other.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use haarmonic::Real;
 use haarmonic::affine::{
     AffineMap, Axis, Operator1d, Parameter, Propagation, PropagationRoute, PropagationScratch, PropagationSource,
@@ -11,12 +13,9 @@ use haarmonic::reference::affine as naive;
 use haarmonic::strategies::{affine_map, haar_signal, signal, sparse_vector};
 use proptest::prelude::*;
 use serde_json::Value;
+use support::map;
 
 const BASES: [Decomposition; 2] = [Decomposition::Standard, Decomposition::Nonstandard];
-
-fn map(s: f64, o: f64) -> AffineMap {
-    AffineMap::new(s, o).unwrap()
-}
 
 fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| x.abs().max(m))

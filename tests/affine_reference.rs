@@ -1,27 +1,15 @@
 //! The naive twins of affine wavelets against golden values: what every other test of this room leans on.
 #![cfg(feature = "reference")]
 
+mod support;
+
 use std::collections::HashMap;
 
 use haarmonic::affine::AffineMap;
 use haarmonic::haar::{Decomposition, forward_2d};
 use haarmonic::reference::affine as naive;
 use serde_json::Value;
-
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap();
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
-
-/// m·2^{e/2}.
-fn half_power(m: &Value, e: &Value) -> f64 {
-    rational(m) * if e.as_u64() == Some(1) { 2f64.sqrt() } else { 1.0 }
-}
+use support::{assert_close, golden, half_power, rational};
 
 fn index(v: &Value) -> usize {
     v.as_u64().unwrap() as usize
@@ -45,11 +33,6 @@ fn is_dyadic(case: &Value) -> bool {
         let denominator: u64 = case[key].as_str().unwrap().split_once('/').unwrap().1.parse().unwrap();
         denominator.is_power_of_two()
     })
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Affine tripling coefficients against golden values and naive twins.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use haarmonic::affine::{
     AffineMap, Atom, Mother, TripleNonzeros1d, TripleNonzerosNonstandard, canonical, coupling_1d, tripling_1d,
     tripling_gradient_1d, tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,
@@ -10,18 +12,9 @@ use haarmonic::reference::affine as naive;
 use haarmonic::strategies;
 use proptest::prelude::*;
 use serde_json::Value;
+use support::{assert_close, differentiable, golden, rational, right_gradient};
 
 const EPS: f64 = f64::EPSILON;
-
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn rational(v: &Value) -> f64 {
-    let (p, q) = v.as_str().unwrap().split_once('/').unwrap();
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
 
 fn map(scale: f64, offset: f64) -> AffineMap {
     AffineMap::new(scale, offset).unwrap()
@@ -35,11 +28,6 @@ fn golden_map(case: &Value) -> AffineMap {
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
     ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 /// Some maps of every sort: identity, mirrored, zooming in and out, partly and wholly outside, with coinciding breakpoints.
@@ -293,26 +281,6 @@ fn standard_triplings_are_products() {
         }
     }
     assert!(nonzeros > 100, "{nonzeros} of 4096");
-}
-
-/// The right-hand derivative of `f` at 0 of a function that is a + b/(1 + x) without kinks within the step; good to O(h²) + O(ε/h).
-fn right_slope(f: impl Fn(f64) -> f64) -> f64 {
-    let step = 2f64.powi(-20);
-    let difference = |h: f64| (f(h) - f(0.0)) / h;
-    2.0 * difference(step / 2.0) - difference(step)
-}
-
-/// [∂/∂s, ∂/∂o], right-hand, of a function of a map.
-fn right_gradient(map: AffineMap, f: impl Fn(AffineMap) -> f64) -> [f64; 2] {
-    let moved = |ds: f64, d_o: f64| AffineMap::new(map.scale() + ds, map.offset() + d_o).unwrap();
-    [right_slope(|h| f(moved(h, 0.0))), right_slope(|h| f(moved(0.0, h)))]
-}
-
-/// Maps of moderate scale whose kinks the differences do not step over: of few binary places, or of none in common with a cell.
-fn differentiable() -> impl Strategy<Value = AffineMap> {
-    let generic = [map(0.713, 0.2), map(-1.3719, 1.2113), map(2.613, -0.737), map(-0.5471, 0.7)];
-    prop_oneof![strategies::dyadic_map(), prop::sample::select(generic.to_vec())]
-        .prop_filter("a moderate scale", |map| (0.2..8.0).contains(&map.scale().abs()) && map.offset().abs() < 8.0)
 }
 
 proptest! {

@@ -1,6 +1,8 @@
 //! Tripling coefficients, products and product integrals of Haar signals against golden values and naive twins.
 #![cfg(feature = "reference")]
 
+mod support;
+
 use haarmonic::Real;
 use haarmonic::haar::{
     BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, NgTree, NgTripleProduct,
@@ -11,11 +13,7 @@ use haarmonic::haar::{
 use haarmonic::reference::haar as naive;
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
+use support::{assert_close, golden};
 
 fn rational(text: &str) -> f64 {
     let (p, q) = text.split_once('/').unwrap_or((text, "1"));
@@ -50,11 +48,6 @@ fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
 
 fn abs(x: &[f64]) -> Vec<f64> {
     x.iter().map(|x| x.abs()).collect()
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
 }
 
 #[test]

@@ -6,7 +6,7 @@ use haarmonic::affine::{
 };
 use serde_json::{Value, json};
 
-use crate::Failure;
+use crate::support::Failure;
 use crate::support::table;
 
 /// s and o: anything, and an integer scale, for which alone the thesis' Fourier couplings hold.

@@ -24,28 +24,17 @@ use args::Args;
 use clap::Parser;
 use haarmonic::io;
 use serde_json::json;
+use support::Failure;
 use support::sheet::Sheet;
 
-/// Anything that ends the program with one line.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
-
 fn main() -> ExitCode {
-    let args = Args::parse();
-    match run(&args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("error: {failure}");
-            ExitCode::FAILURE
-        }
-    }
+    support::exit(run(&Args::parse()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    support::limit_threads(args.threads)?;
     save(&args.out, "affine_m.png", &figure_m::draw())?;
 
     let counts = counts::Counts::new(args)?;

@@ -4,8 +4,8 @@ use haarmonic::affine::PropagationRoute;
 use haarmonic::haar::{Decomposition, forward_2d};
 use serde_json::{Value, json};
 
-use crate::Failure;
 use crate::contenders::{Case, Dense, PLACES, Table, best_of, light, places};
+use crate::support::Failure;
 use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
 use crate::support::sheet::Sheet;
 use crate::support::table;

@@ -19,9 +19,7 @@ use args::Args;
 use clap::Parser;
 use methods::Run;
 use scene::Scene;
-
-/// Anything that ends the program with one line.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+use support::Failure;
 
 /// Says something on standard error that does not end the program.
 pub fn warn(warning: &impl Display) {
@@ -29,22 +27,13 @@ pub fn warn(warning: &impl Display) {
 }
 
 fn main() -> ExitCode {
-    let args = Args::parse();
-    match run(&args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            eprintln!("error: {failure}");
-            ExitCode::FAILURE
-        }
-    }
+    support::exit(run(&Args::parse()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
     args.make_folders()?;
-    if let Some(threads) = args.threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
-    }
+    support::limit_threads(args.threads)?;
     let scene = Scene::new(args)?;
     println!(
         "{}: {} vertices, {} faces; {}; light {}; {}² × 6 texels; {} threads",

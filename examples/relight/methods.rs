@@ -13,9 +13,9 @@ use haarmonic::scene::{
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
 
-use crate::Failure;
 use crate::args::{Args, Choice, Method, Slices};
 use crate::scene::{Scene, turn};
+use crate::support::Failure;
 use crate::support::progress::Bar;
 
 /// Ground truth and every method's result.

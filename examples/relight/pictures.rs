@@ -4,10 +4,10 @@ use haarmonic::io;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::scene::{Bvh, Picture, ToneMap};
 
-use crate::Failure;
 use crate::args::Args;
 use crate::methods::{Outcome, Run};
 use crate::scene::Scene;
+use crate::support::Failure;
 use crate::support::sheet::{Panel, Sheet, heat};
 
 /// Relative error that the maps show in white.

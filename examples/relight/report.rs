@@ -2,10 +2,10 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::Failure;
 use crate::args::Args;
 use crate::methods::{Outcome, Run};
 use crate::scene::Scene;
+use crate::support::Failure;
 use crate::support::table;
 
 /// The figures of every method, as text.

@@ -10,7 +10,8 @@ use haarmonic::scene::{
 };
 
 use crate::args::{Args, BuiltIn};
-use crate::{Failure, warn};
+use crate::support::Failure;
+use crate::warn;
 
 /// The scene as the command line describes it.
 pub struct Scene {

@@ -25,15 +25,13 @@ pub(super) trait Met {
 
 /// The target atoms that a source atom meets.
 pub(super) struct Row {
-    source: Atom,
-    map: AffineMap,
     steps: Steps,
 }
 
 impl Row {
     #[inline(always)]
     pub(super) fn new(source: Atom, map: AffineMap) -> Self {
-        Self { source, map, steps: Steps::of_source(source, map) }
+        Self { steps: Steps::of_source(source, map) }
     }
 
     /// The coupling with one scaling function, or 0.
@@ -41,12 +39,12 @@ impl Row {
     pub(super) fn scaling(&self, level: u32, offset: usize) -> f64 {
         let value = self.steps.scaling(level, offset);
         let target = Atom { mother: Mother::Scaling, level, offset };
-        if vanishes(self.source, target, self.map, value) { 0.0 } else { value }
+        if self.steps.vanishes(target, value) { 0.0 } else { value }
     }
 
     #[inline(always)]
     fn pass(&self, target: Atom, value: f64, mut visit: impl FnMut(Atom, f64)) {
-        if !vanishes(self.source, target, self.map, value) {
+        if !self.steps.vanishes(target, value) {
             visit(target, value);
         }
     }

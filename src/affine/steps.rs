@@ -131,7 +131,7 @@ impl Steps {
         let (index, value) = (&mut index[..room], &mut value[..room]);
         let mean = self.mean();
         (index[0], value[0]) = (0, T::of(mean));
-        let mut len = usize::from(mean != 0.0 && !self.vanishes(Mother::Scaling, 0, 0, mean));
+        let mut len = usize::from(mean != 0.0 && !self.vanishes(Atom::from_flat(0), mean));
         // What rounding of the breakpoints can make of a sum that is zero by cancellation.
         let doubtful =
             (16.0 * f64::EPSILON * UNIT as f64 * (1.0 + (self.map.offset() / self.map.scale()).abs())) as u64;
@@ -148,13 +148,13 @@ impl Steps {
 
     /// Whether the coupling with an atom, rounded to `value`, is exactly zero.
     #[inline(always)]
-    fn vanishes(&self, mother: Mother, level: u32, offset: usize, value: f64) -> bool {
-        vanishes(self.source, Atom { mother, level, offset }, self.map, value)
+    pub(super) fn vanishes(&self, target: Atom, value: f64) -> bool {
+        vanishes(self.source, target, self.map, value)
     }
 
     #[cold]
     fn cancels(&self, level: u32, cell: i64, scale: f64, sum: i64) -> bool {
-        self.vanishes(Mother::Wavelet, level, cell as usize, scale * sum as f64)
+        self.vanishes(Atom { mother: Mother::Wavelet, level, offset: cell as usize }, scale * sum as f64)
     }
 
     /// ∫ f φ over [0, 1).
@@ -180,8 +180,7 @@ impl Steps {
         }
         let mut t = first.max(0.0);
         while t <= last && t < count {
-            let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t);
-            let value = (g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1));
+            let value = self.share(y, t);
             if value != 0.0 {
                 visit(t as usize, factor * value);
             }
@@ -193,8 +192,14 @@ impl Steps {
     #[inline(always)]
     pub(super) fn scaling(&self, level: u32, t: usize) -> f64 {
         let y = self.at.map(|b| b * power(level as i32));
-        let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t as f64);
-        self.amplitude * root_power(-(level as i32)) * ((g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1)))
+        self.amplitude * root_power(-(level as i32)) * self.share(y, t as f64)
+    }
+
+    /// Σ w_k B(y_k − t): what cell t has of the breakpoints y, in cells.
+    #[inline(always)]
+    fn share(&self, y: [f64; 3], t: f64) -> f64 {
+        let g = |k: usize| self.weight[k] * Mother::Scaling.primitive(y[k] - t);
+        (g(0) + 0.5 * g(1)) + (g(2) + 0.5 * g(1))
     }
 
     /// Breakpoints, ascending, and minus the jumps there.

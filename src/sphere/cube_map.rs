@@ -1,6 +1,5 @@
 //! A function of direction, held on the texels of a cube.
 
-use approx::{AbsDiffEq, RelativeEq};
 use nalgebra::{UnitVector3, Vector3};
 use num_traits::Zero;
 
@@ -172,30 +171,4 @@ where
     }
 }
 
-impl<P: Texel + AbsDiffEq> AbsDiffEq for CubeMap<P>
-where
-    P::Epsilon: Copy,
-{
-    type Epsilon = P::Epsilon;
-
-    fn default_epsilon() -> Self::Epsilon {
-        P::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: Self::Epsilon) -> bool {
-        self.grid == other.grid && self.texels[..].abs_diff_eq(&other.texels[..], epsilon)
-    }
-}
-
-impl<P: Texel + RelativeEq> RelativeEq for CubeMap<P>
-where
-    P::Epsilon: Copy,
-{
-    fn default_max_relative() -> Self::Epsilon {
-        P::default_max_relative()
-    }
-
-    fn relative_eq(&self, other: &Self, epsilon: Self::Epsilon, max_relative: Self::Epsilon) -> bool {
-        self.grid == other.grid && self.texels[..].relative_eq(&other.texels[..], epsilon, max_relative)
-    }
-}
+super::texel::approx_by_texels!(CubeMap, texels);

@@ -2,7 +2,6 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use approx::{AbsDiffEq, RelativeEq};
 use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
 use num_traits::Zero;
 
@@ -206,33 +205,7 @@ impl<P: Texel> LatLongMap<P> {
     }
 }
 
-impl<P: Texel + AbsDiffEq> AbsDiffEq for LatLongMap<P>
-where
-    P::Epsilon: Copy,
-{
-    type Epsilon = P::Epsilon;
-
-    fn default_epsilon() -> Self::Epsilon {
-        P::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: Self::Epsilon) -> bool {
-        self.grid == other.grid && self.pixels[..].abs_diff_eq(&other.pixels[..], epsilon)
-    }
-}
-
-impl<P: Texel + RelativeEq> RelativeEq for LatLongMap<P>
-where
-    P::Epsilon: Copy,
-{
-    fn default_max_relative() -> Self::Epsilon {
-        P::default_max_relative()
-    }
-
-    fn relative_eq(&self, other: &Self, epsilon: Self::Epsilon, max_relative: Self::Epsilon) -> bool {
-        self.grid == other.grid && self.pixels[..].relative_eq(&other.pixels[..], epsilon, max_relative)
-    }
-}
+super::texel::approx_by_texels!(LatLongMap, pixels);
 
 /// Where other programs put the centre of the same image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
