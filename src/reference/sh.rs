@@ -2,6 +2,8 @@
 
 mod basis;
 mod product;
+mod rotation;
 
 pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
 pub use product::{gamma, product, product_matrix, triple_integral};
+pub use rotation::{rotate, rotation};

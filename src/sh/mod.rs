@@ -12,6 +12,8 @@
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//! | one rotation, many expansions | all of them rotated | [`Rotation`] |
+//! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
 //! | three | ∫ f g h | [`Product::integral`] |
@@ -29,9 +31,11 @@ mod index;
 mod kernel;
 mod kernel_gradient;
 mod product;
+mod rotate;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use product::{Product, Square};
+pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};

@@ -1,6 +1,6 @@
 //! Directions, rotations and maps, with the edges where spheres break.
 
-use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit, UnitVector3, Vector3};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -27,7 +27,8 @@ pub fn direction() -> BoxedStrategy<UnitVector3<f64>> {
     prop_oneof![4 => anywhere, 2 => exact, 1 => beside].boxed()
 }
 
-/// A rotation: any, none, quarter and half turns about the axes, and turns by almost nothing.
+/// A rotation: any, none, quarter and half turns about the axes, half turns about any axis, those of the cube without rounding, turns by
+/// almost nothing, and those that almost keep or reverse the z axis.
 pub fn rotation() -> BoxedStrategy<Rotation3<f64>> {
     let about = |angle: BoxedStrategy<f64>| {
         (direction(), angle).prop_map(|(axis, angle)| Rotation3::from_axis_angle(&axis, angle))
@@ -36,11 +37,26 @@ pub fn rotation() -> BoxedStrategy<Rotation3<f64>> {
         let axis = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()][axis];
         Rotation3::from_axis_angle(&axis, f64::from(quarters) * std::f64::consts::FRAC_PI_2)
     });
+    let small = || prop_oneof![Just(1e-300), Just(1e-16), Just(1e-9), Just(-1e-5)].boxed();
+    // Columns are signed axes; the last one's sign makes it a rotation.
+    let cube = (0..3usize, 0..2usize, any::<bool>(), any::<bool>()).prop_map(|(first, other, a, b)| {
+        let axis = |k: usize, negative: bool| Vector3::ith(k % 3, if negative { -1.0 } else { 1.0 });
+        let (x, y) = (axis(first, a), axis(first + 1 + other, b));
+        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, x.cross(&y)]))
+    });
+    let about_z = |angle| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+    let level = (-3.2..3.2f64, direction(), small(), any::<bool>()).prop_map(move |(angle, axis, tilt, over)| {
+        let over = Rotation3::from_axis_angle(&Vector3::x_axis(), if over { std::f64::consts::PI } else { 0.0 });
+        Rotation3::from_axis_angle(&axis, tilt) * over * about_z(angle)
+    });
     prop_oneof![
         4 => about((-3.2..3.2f64).boxed()),
         1 => Just(Rotation3::identity()),
         2 => quarters,
-        1 => about(prop_oneof![Just(1e-300), Just(1e-16), Just(1e-9), Just(-1e-5)].boxed()),
+        1 => about(small()),
+        1 => about(Just(std::f64::consts::PI).boxed()),
+        1 => cube,
+        1 => level,
     ]
     .boxed()
 }

@@ -1,0 +1,12 @@
+//! Rotation of expansions.
+
+mod about_z;
+mod chain;
+mod rotation;
+mod rotator;
+mod swap;
+mod turns;
+
+pub use about_z::{rotate_z, rotate_z_batch};
+pub use rotation::Rotation;
+pub use rotator::Rotator;

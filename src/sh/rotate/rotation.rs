@@ -1,0 +1,261 @@
+//! One rotation, many vectors.
+
+use nalgebra::{Rotation3, UnitQuaternion};
+use pulp::{Arch, Simd, WithSimd};
+
+use super::rotator::Rotator;
+use crate::error::check_length;
+use crate::{Error, Real, Result};
+
+/// The largest `bands` of a rotation.
+const MAX_BANDS: usize = 128;
+
+pub(super) fn check_bands(bands: usize) -> Result<()> {
+    if bands == 0 || bands > MAX_BANDS {
+        return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed: "1 to 128" });
+    }
+    Ok(())
+}
+
+/// The matrix of one rotation, a dense block for each degree.
+///
+///   y(Rω) = M y(ω),  (Rf)(ω) = f(R⁻¹ω) has the coefficients M f                  [Sun 2008, eq. 2.11: see docs/errata.md]
+///   M(R₁R₂) = M(R₁) M(R₂),  M(R⁻¹) = Mᵀ
+///
+/// Built in `f64` from constant matrices, as [`Rotator`] says, and then narrowed; what it says of degenerate rotations and of matrices
+/// that are not quite orthogonal holds here.
+///
+/// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
+/// Cost: bands(4 bands² − 1)/3 multiplications a vector, Θ(bands⁴) to build.
+///
+/// # Example
+/// ```
+/// use haarmonic::{nalgebra::{Rotation3, Vector3}, sh::Rotation};
+/// // z goes to x: so does the lobe z.
+/// let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), std::f64::consts::FRAC_PI_2);
+/// let rotation = Rotation::<f64>::new(2, &turn)?;
+/// let mut turned = [0.0; 4];
+/// rotation.apply(&[0.0, 0.0, 1.0, 0.0], &mut turned);
+/// assert!((turned[3] - 1.0).abs() < 1e-15 && turned[2].abs() < 1e-15);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Rotation<T> {
+    bands: usize,
+    /// Block after block, row-major.
+    blocks: Vec<T>,
+    arch: Arch,
+}
+
+/// Entries before block l: Σ (2k+1)² for k < l.
+#[inline(always)]
+const fn block_start(l: usize) -> usize {
+    l * (4 * l * l - (l > 0) as usize) / 3
+}
+
+impl<T: Real> Rotation<T> {
+    /// The plan of a rotation for `bands`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if `bands` is 0 or more than 128; [`Error::NotFinite`] if an entry of the matrix is NaN or infinite.
+    pub fn new(bands: usize, rotation: &Rotation3<f64>) -> Result<Self> {
+        check_finite("rotation matrix entry", rotation.matrix().as_slice())?;
+        Self::by_columns(bands, |rotator, f, out| rotator.apply(rotation, f, out))
+    }
+
+    /// The plan of a rotation that is given as a quaternion.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn from_quaternion(bands: usize, rotation: &UnitQuaternion<f64>) -> Result<Self> {
+        check_finite("quaternion component", rotation.quaternion().coords.as_slice())?;
+        Self::by_columns(bands, |rotator, f, out| rotator.apply_quaternion(rotation, f, out))
+    }
+
+    /// Column m' of all blocks at once is the rotated sum of all y_{l,m'}.
+    fn by_columns(bands: usize, rotate: impl Fn(&Rotator<f64>, &[f64], &mut [f64])) -> Result<Self> {
+        let rotator = Rotator::<f64>::new(bands)?;
+        let mut blocks = vec![T::zero(); block_start(bands)];
+        let (mut hot, mut column) = (vec![0.0; bands * bands], vec![0.0; bands * bands]);
+        let centre = |l: usize| l * (l + 1);
+        for order in 0..2 * bands - 1 {
+            // m' = order − (bands − 1), in the degrees that have it.
+            let place = |l: usize| (l + order).checked_sub(bands - 1).filter(|&j| j < 2 * l + 1);
+            hot.fill(0.0);
+            (0..bands).filter_map(|l| Some(centre(l) - l + place(l)?)).for_each(|i| hot[i] = 1.0);
+            rotate(&rotator, &hot, &mut column);
+            for l in 0..bands {
+                let Some(j) = place(l) else { continue };
+                let size = 2 * l + 1;
+                let block = &mut blocks[block_start(l)..][..size * size];
+                for (row, &value) in block.chunks_exact_mut(size).zip(&column[l * l..]) {
+                    row[j] = T::of(value);
+                }
+            }
+        }
+        Ok(Self { bands, blocks, arch: Arch::new() })
+    }
+
+    /// The number of bands.
+    #[inline]
+    pub fn bands(&self) -> usize {
+        self.bands
+    }
+
+    /// The block of degree l, row-major, 2l + 1 rows and columns; m from −l to l.
+    ///
+    /// # Panics
+    /// If `l` is not below `bands`.
+    #[track_caller]
+    pub fn block(&self, l: usize) -> &[T] {
+        assert!(l < self.bands, "degree: below {} expected, got {l}", self.bands);
+        &self.blocks[block_start(l)..block_start(l + 1)]
+    }
+
+    /// The plan of R⁻¹: every block transposed.
+    pub fn inverse(&self) -> Self {
+        let mut blocks = Vec::with_capacity(self.blocks.len());
+        for l in 0..self.bands {
+            let (block, size) = (self.block(l), 2 * l + 1);
+            blocks.extend((0..size * size).map(|k| block[k % size * size + k / size]));
+        }
+        Self { bands: self.bands, blocks, arch: self.arch }
+    }
+
+    /// `out` = `f` rotated.
+    ///
+    /// # Panics
+    /// If `f.len()` or `out.len()` is not bands².
+    #[track_caller]
+    pub fn apply(&self, f: &[T], out: &mut [T]) {
+        self.batch(1, f, out);
+    }
+
+    /// `count` expansions rotated: the same bits as [`apply`](Self::apply) one by one.
+    ///
+    /// # Panics
+    /// If `f.len()` or `out.len()` is not `count` · bands².
+    #[track_caller]
+    pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
+        check_length("coefficients", self.bands * self.bands * count, f.len());
+        check_length("rotated coefficients", self.bands * self.bands * count, out.len());
+        if count == 1 {
+            self.one(f, out);
+        } else {
+            self.arch.dispatch(Batch { rotation: self, count, f, out });
+        }
+    }
+
+    fn one(&self, f: &[T], out: &mut [T]) {
+        for l in 0..self.bands {
+            let (size, rows) = (2 * l + 1, l * l..(l + 1) * (l + 1));
+            let (f, out) = (&f[rows.clone()], &mut out[rows]);
+            for (out, row) in out.iter_mut().zip(self.block(l).chunks_exact(size)) {
+                let mut sum = T::zero();
+                for (&m, &f) in row.iter().zip(f) {
+                    sum += m * f;
+                }
+                *out = sum;
+            }
+        }
+    }
+}
+
+fn check_finite(what: &'static str, values: &[f64]) -> Result<()> {
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(index) => Err(Error::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+/// A batch; run by `pulp` with the instructions that the machine has.
+struct Batch<'a, T> {
+    rotation: &'a Rotation<T>,
+    count: usize,
+    f: &'a [T],
+    out: &'a mut [T],
+}
+
+impl<T: Real> WithSimd for Batch<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        if size_of::<T>() == 4 { self.run::<8>() } else { self.run::<4>() }
+    }
+}
+
+impl<T: Real> Batch<'_, T> {
+    #[inline(always)]
+    fn run<const W: usize>(self) {
+        let Self { rotation, count, f, out } = self;
+        let full = count - count % (2 * W);
+        for first in (0..full).step_by(2 * W) {
+            rotation.columns::<W>(count, first, f, out);
+        }
+        if full < count {
+            // The last vectors again as a batch of their own, padded with zeros.
+            let width = count - full;
+            let rows = rotation.bands * rotation.bands;
+            let (mut last, mut turned) = (vec![T::zero(); rows * 2 * W], vec![T::zero(); rows * 2 * W]);
+            for i in 0..rows {
+                last[i * 2 * W..][..width].copy_from_slice(&f[i * count + full..][..width]);
+            }
+            rotation.columns::<W>(2 * W, 0, &last, &mut turned);
+            for i in 0..rows {
+                out[i * count + full..][..width].copy_from_slice(&turned[i * 2 * W..][..width]);
+            }
+        }
+    }
+}
+
+impl<T: Real> Rotation<T> {
+    /// Vectors first..first + 2W.
+    #[inline(always)]
+    fn columns<const W: usize>(&self, count: usize, first: usize, f: &[T], out: &mut [T]) {
+        for l in 0..self.bands {
+            let size = 2 * l + 1;
+            let at = l * l * count + first;
+            let (block, f, out) = (self.block(l), &f[at..], &mut out[at..]);
+            // Three to five rows at a time hold their sums in registers; as even as can be.
+            let tiles = size.div_ceil(5);
+            let mut row = 0;
+            for tile in 0..tiles {
+                let rows = (size - row).div_ceil(tiles - tile);
+                let block = &block[row * size..][..rows * size];
+                let out = &mut out[row * count..];
+                match rows {
+                    1 => multiply::<T, W, 1>(block, count, f, out),
+                    3 => multiply::<T, W, 3>(block, count, f, out),
+                    4 => multiply::<T, W, 4>(block, count, f, out),
+                    _ => multiply::<T, W, 5>(block, count, f, out),
+                }
+                row += rows;
+            }
+        }
+    }
+}
+
+/// R rows of a block times 2W columns of `f`.
+#[inline(always)]
+fn multiply<T: Real, const W: usize, const R: usize>(block: &[T], count: usize, f: &[T], out: &mut [T]) {
+    let size = block.len() / R;
+    let rows: [&[T]; R] = std::array::from_fn(|r| &block[r * size..][..size]);
+    let mut sums = [[[T::zero(); W]; 2]; R];
+    for (j, f) in f.chunks(count).take(size).enumerate() {
+        let halves = [f.first_chunk::<W>(), f[W..].first_chunk::<W>()].map(|half| half.expect("2W columns"));
+        for r in 0..R {
+            let m = rows[r][j];
+            for h in 0..2 {
+                for i in 0..W {
+                    sums[r][h][i] += m * halves[h][i];
+                }
+            }
+        }
+    }
+    for (r, sums) in sums.iter().enumerate() {
+        for (h, sum) in sums.iter().enumerate() {
+            out[r * count + h * W..][..W].copy_from_slice(sum);
+        }
+    }
+}
