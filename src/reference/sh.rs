@@ -1,9 +1,14 @@
-//! Twins of [`sh`](crate::sh): one basis function at a time from angles, products by quadrature of the sphere.
+//! Twins of [`sh`](crate::sh): one basis function at a time from angles, products, zonal functions and lights by
+//! quadrature.
 
 mod basis;
+mod light;
 mod product;
 mod rotation;
+mod zonal;
 
 pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
+pub use light::{diffuse_light, irradiance, polygon};
 pub use product::{gamma, product, product_matrix, triple_integral};
 pub use rotation::{rotate, rotation};
+pub use zonal::{legendre, project_cap, zonal_factors};

@@ -30,12 +30,18 @@ mod gamma;
 mod index;
 mod kernel;
 mod kernel_gradient;
+mod legendre;
+mod light;
 mod product;
 mod rotate;
+mod zonal;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
+pub use legendre::associated_legendre;
+pub use light::{Irradiance, Light, Lights, Measure};
 pub use product::{Product, Square};
 pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
+pub use zonal::{VonMisesFisher, Zonal};
