@@ -11,8 +11,8 @@ const BANDS: std::ops::RangeInclusive<usize> = 2..=8;
 
 /// src/sh/exponential/optimal_linear_table.rs.
 pub fn table() -> Output {
-    let mut text = "//! a and b of the optimal linear exponential, for bands 2 to 8. Written by the crate `generate`: do not edit.\n\n\
-        /// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev polynomials, a and b in turn.\n\
+    let mut text = "//! α and β of the optimal linear exponential, for bands 2 to 8. Written by the crate `generate`: do not edit.\n\n\
+        /// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev polynomials, α and β in turn.\n\
         #[rustfmt::skip]\n"
         .to_owned();
     let count = BANDS.count();
@@ -31,7 +31,7 @@ pub fn table() -> Output {
     Output { path: "src/sh/exponential/optimal_linear_table.rs", text }
 }
 
-/// Four numbers a line. Ten decimal places are far below the tables' accuracy, and above what machines differ by.
+/// Eight numbers a line. Ten decimal places are far below the tables' accuracy, and above what machines differ by.
 fn list(text: &mut String, values: &[f64], indent: &str) {
     for row in values.chunks(8) {
         let row: Vec<String> = row.iter().map(|x| number(*x)).collect();

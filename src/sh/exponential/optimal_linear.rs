@@ -21,7 +21,7 @@ const TOLERANCE: f64 = 1e-6;
 /// the disc, 0 to a right angle, against x = ‖f̂‖; logarithms by eigenvalues with floor 0.02. Beyond the largest disc's x, a and b
 /// stay what they are there.
 ///
-/// Accuracy: the tables' polynomials are within 2e-6 of what they tabulate. The method itself: use it for x ≲ 1, or as the
+/// Accuracy: the tables are within 2e-6 of what they tabulate, 2e-7 below x = 1/8. The method itself: use it for x ≲ 1, or as the
 /// seed of [`ExpMethod::Hybrid`](super::ExpMethod::Hybrid).
 ///
 /// # Example
@@ -57,13 +57,13 @@ impl OptimalLinear {
         check_bands(bands)?;
         if bands == 1 {
             // f̂ is 0.
-            let ones = [vec![1.0; 2], vec![0.0; 14]].concat();
-            return Ok(Self { bands, table: Piecewise::owned(2, vec![0.0, 1.0], ones) });
+            let none = vec![0.0; 16];
+            return Ok(Self { bands, table: Piecewise::owned(2, vec![0.0, 1.0], none) });
         }
         let discs = Discs { zonal: Zonal::new(bands)? };
         let mut angles = vec![0.0];
         angles.extend(discs.rising()?);
-        // (x, a, b) against θ first; x rises, so that its inverse is found on the table.
+        // (x, α, β) against θ first; x rises, so that its inverse is found on the table.
         let (by_angle, _) = Piecewise::fit(3, &angles, 0.01 * TOLERANCE, |theta| discs.optimum(theta))?;
         let at_angle = |theta: f64| {
             let mut out = [0.0; 3];
@@ -72,6 +72,8 @@ impl OptimalLinear {
         };
         let mut breaks: Vec<f64> = angles.iter().map(|&theta| at_angle(theta)[0]).collect();
         breaks[0] = 0.0;
+        // The squarings of the hybrid double what is wrong here.
+        breaks.insert(1, 0.125);
         let (table, _) = Piecewise::fit(2, &breaks, TOLERANCE, |x| {
             let (mut low, mut high) = (0.0, *angles.last().expect("0 at least"));
             for _ in 0..60 {
@@ -93,14 +95,16 @@ impl OptimalLinear {
         self.table.end()
     }
 
-    /// [a, b] for x = ‖f̂‖. NaN gives NaN.
+    /// [a, b] for x = ‖f̂‖: exactly [1, 1] for 0. NaN gives NaN.
     pub fn factors(&self, x: f64) -> [f64; 2] {
         let mut out = [0.0; 2];
         self.table.eval(x, &mut out);
-        out
+        let x = if x > self.table.end() { self.table.end() } else { x };
+        [1.0 + out[0] * (x * x / (1.0 + x * x)), 1.0 + out[1] * (x / (1.0 + x))]
     }
 
-    /// The numbers of the table: the ends of its pieces, and for each piece the Chebyshev coefficients c_0…c_7, a and b in turn.
+    /// The numbers of the table: the ends of its pieces, and for each piece the Chebyshev coefficients c_0…c_7 of α and β in turn,
+    /// a = 1 + α x²/(1 + x²), b = 1 + β x/(1 + x).
     pub fn table(&self) -> (&[f64], &[f64]) {
         (self.table.breaks(), self.table.terms())
     }
@@ -112,35 +116,37 @@ struct Discs {
 }
 
 impl Discs {
-    /// [x, a, b] of the disc of an angle.
+    /// [x, α, β] of the disc of an angle above 0.
     fn optimum(&self, theta: f64) -> Result<Vec<f64>> {
         let mut log = self.zonal.log(&cap_less_one(self.zonal.bands(), theta), 1.0, FLOOR)?.log;
         log[0] = 0.0;
         let square: f64 = log.iter().map(|f| f * f).sum();
+        let x = square.sqrt();
         let less_one = self.zonal.exp_less_one(&log)?;
         let along: f64 = less_one.iter().zip(&log).map(|(g, f)| g * f).sum();
-        let b = if square > 0.0 { along / square } else { 1.0 };
-        Ok(vec![square.sqrt(), 1.0 + less_one[0] / super::ONE, b])
+        let alpha = less_one[0] / super::ONE * (1.0 + square) / square;
+        let beta = (along - square) / square * (1.0 + x) / x;
+        Ok(vec![x, alpha, beta])
     }
 
-    /// The angles up to which x(θ) rises from 0 without a break, at whose ends x has kinks.
+    /// The angles up to which x(θ) rises from 0, at whose ends x has kinks; to just below the top if there is one, as x is flat there.
     fn rising(&self) -> Result<Vec<f64>> {
-        let mut ends = self.zonal.cap_kinks(LARGEST, FLOOR)?;
-        const STEPS: usize = 200;
+        const STEPS: usize = 400;
         let x = |k: usize| Ok::<f64, Error>(self.optimum(LARGEST * k as f64 / STEPS as f64)?[0]);
-        let mut last = 0.0;
+        let mut rise = vec![0.0];
         for k in 1..=STEPS {
             let next = x(k)?;
-            if next <= last {
-                // Back one more: the top is between k − 2 and k.
-                let end = LARGEST * (k - 2) as f64 / STEPS as f64;
-                ends.retain(|&kink| kink < end);
-                ends.push(end);
-                return Ok(ends);
+            if next <= rise[k - 1] {
+                break;
             }
-            last = next;
+            rise.push(next);
         }
-        ends.push(LARGEST);
+        let top = if rise.len() > STEPS { f64::INFINITY } else { 0.995 * rise[rise.len() - 1] };
+        let last = rise.iter().filter(|&&x| x < top).count() - 1;
+        let end = LARGEST * last as f64 / STEPS as f64;
+        let mut ends = self.zonal.cap_kinks(LARGEST, FLOOR)?;
+        ends.retain(|&kink| kink < end);
+        ends.push(end);
         Ok(ends)
     }
 }
