@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p haarmonic-generate [-- --check]` from anywhere in the workspace.
 
+mod optimal_linear;
 mod output;
 
 use std::process::ExitCode;
@@ -14,7 +15,7 @@ fn main() -> ExitCode {
         Some("--check") => true,
         Some(other) => return fail(&format!("{other}: the only argument is --check")),
     };
-    let outputs: Vec<Output> = Vec::new();
+    let outputs: Vec<Output> = vec![optimal_linear::table()];
     for output in outputs {
         let done = if check { output.check() } else { output.write() };
         if let Err(message) = done {

@@ -3,12 +3,17 @@
 
 mod basis;
 mod light;
+mod exponential;
 mod product;
 mod rotation;
 mod zonal;
 
 pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
 pub use light::{diffuse_light, irradiance, polygon};
+pub use exponential::{
+    cap_visibility, exp_limit, exp_projected, exp_scaled_series, exp_series, function_projected, log_by_eigenvalues,
+    optimal_linear, product_eigen, union_visibility,
+};
 pub use product::{gamma, product, product_matrix, triple_integral};
 pub use rotation::{rotate, rotation};
 pub use zonal::{legendre, project_cap, zonal_factors};

@@ -26,6 +26,7 @@
 
 mod basis;
 mod convention;
+mod exponential;
 mod gamma;
 mod index;
 mod kernel;
@@ -38,6 +39,10 @@ mod zonal;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
+pub use exponential::{
+    CapFit, CapLog, ExpMethod, Exponential, GridFunction, LogMethod, Logarithm, OptimalLinear, Powers, ProductSeries,
+    ProductSpectrum,
+};
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use legendre::associated_legendre;
