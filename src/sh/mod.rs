@@ -29,9 +29,14 @@ mod index;
 mod kernel;
 mod kernel_gradient;
 mod product;
+mod project;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use product::{Product, Square};
+pub use project::{
+    Channels, CubeProjection, CubeReconstruction, LatLongProjection, LatLongReconstruction, TexelRule, project_cube,
+    project_fn, project_fn_channels, project_lat_long,
+};
