@@ -11,6 +11,12 @@
 //! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
+//! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
+//! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
+//! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |
+//! | samples anywhere | the best fit | [`ScatteredFit`] |
+//! | an expansion | its least and greatest value, certified | [`Extrema`] |
+//! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
@@ -37,6 +43,7 @@ pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use product::{Product, Square};
 pub use project::{
-    Channels, CubeProjection, CubeReconstruction, LatLongProjection, LatLongReconstruction, TexelRule, project_cube,
-    project_fn, project_fn_channels, project_lat_long,
+    Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,
+    LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube, project_fn,
+    project_fn_channels, project_lat_long,
 };
