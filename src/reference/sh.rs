@@ -7,6 +7,7 @@ mod exponential;
 mod product;
 mod rotation;
 mod zonal;
+mod project;
 
 pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
 pub use light::{diffuse_light, irradiance, polygon};
@@ -17,3 +18,7 @@ pub use exponential::{
 pub use product::{gamma, product, product_matrix, triple_integral};
 pub use rotation::{rotate, rotation};
 pub use zonal::{legendre, project_cap, zonal_factors};
+pub use project::{
+    cube_texel_integrals, lat_long_pixel_integrals, least_squares, project, project_cube, project_lat_long,
+    reconstruct, sampled_minimum,
+};

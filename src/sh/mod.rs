@@ -11,6 +11,12 @@
 //! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
+//! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
+//! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
+//! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |
+//! | samples anywhere | the best fit | [`ScatteredFit`] |
+//! | an expansion | its least and greatest value, certified | [`Extrema`] |
+//! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
 //! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
@@ -36,6 +42,7 @@ mod light;
 mod product;
 mod rotate;
 mod zonal;
+mod project;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
@@ -50,3 +57,8 @@ pub use light::{Irradiance, Light, Lights, Measure};
 pub use product::{Product, Square};
 pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
 pub use zonal::{VonMisesFisher, Zonal};
+pub use project::{
+    Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,
+    LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube, project_fn,
+    project_fn_channels, project_lat_long,
+};
