@@ -40,9 +40,9 @@ mod kernel_gradient;
 mod legendre;
 mod light;
 mod product;
+mod project;
 mod rotate;
 mod zonal;
-mod project;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
@@ -55,10 +55,10 @@ pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use legendre::associated_legendre;
 pub use light::{Irradiance, Light, Lights, Measure};
 pub use product::{Product, Square};
-pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
-pub use zonal::{VonMisesFisher, Zonal};
 pub use project::{
     Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,
     LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube, project_fn,
     project_fn_channels, project_lat_long,
 };
+pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
+pub use zonal::{VonMisesFisher, Zonal};
