@@ -93,7 +93,9 @@ impl<T: Real> Rotator<T> {
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
     pub fn batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
-        quaternions.iter().for_each(|c| check_length("rotations", count, c.len()));
+        for c in quaternions {
+            check_length("rotations", count, c.len());
+        }
         self.check(count, f, out);
         self.many(count, &Quaternions(quaternions), f, out);
     }
@@ -104,7 +106,9 @@ impl<T: Real> Rotator<T> {
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
     pub fn batch_matrices(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
-        matrices.iter().for_each(|c| check_length("rotations", count, c.len()));
+        for c in matrices {
+            check_length("rotations", count, c.len());
+        }
         self.check(count, f, out);
         self.many(count, &Matrices(matrices), f, out);
     }

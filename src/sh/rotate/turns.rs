@@ -23,6 +23,23 @@ pub(super) struct Flat<T> {
     pub turn: [T; 2],
 }
 
+impl<T: Real, const W: usize> Turns<T, W> {
+    /// One step of Newton towards length 1, u (3 − |u|²)/2: a power m has m times the error of the length.
+    #[inline(always)]
+    fn normalized(mut self) -> Self {
+        let (half, more) = (T::of(0.5), T::of(1.5));
+        for unit in [&mut self.alpha, &mut self.beta, &mut self.gamma] {
+            for i in 0..W {
+                let (c, s) = (unit[0][i], unit[1][i]);
+                let scale = more - half * (c * c + s * s);
+                unit[0][i] = c * scale;
+                unit[1][i] = s * scale;
+            }
+        }
+        self
+    }
+}
+
 /// Rotations in structure-of-arrays form.
 pub(super) trait Poses<T: Real> {
     /// The turns of rotations first..first + W, and sin²β scaled: below [`tiny`], the rotation is to be taken from
@@ -82,7 +99,7 @@ impl<T: Real> Poses<T> for Quaternions<'_, T> {
             turns.gamma[0][i] = (wy - zx) * scale;
             turns.gamma[1][i] = (zy + wx) * scale;
         }
-        (turns, across)
+        (turns.normalized(), across)
     }
 
     fn flat(&self, at: usize) -> Flat<T> {
@@ -128,7 +145,7 @@ impl<T: Real> Poses<T> for Matrices<'_, T> {
             turns.gamma[0][i] = (re * cs + im * ss) * size;
             turns.gamma[1][i] = (im * cs - re * ss) * size;
         }
-        (turns, across)
+        (turns.normalized(), across)
     }
 
     fn flat(&self, at: usize) -> Flat<T> {
