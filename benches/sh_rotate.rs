@@ -25,7 +25,8 @@ fn values<T: Real>(len: usize) -> Vec<T> {
 /// Structure of arrays of the first COUNT rotations: quaternions and matrices.
 fn poses<T: Real>() -> ([Vec<T>; 4], [Vec<T>; 9]) {
     let turns: Vec<_> = (0..COUNT).map(turn).collect();
-    let quaternion = |k: usize| turns.iter().map(|r| T::of(UnitQuaternion::from_rotation_matrix(r).coords[k])).collect();
+    let quaternion =
+        |k: usize| turns.iter().map(|r| T::of(UnitQuaternion::from_rotation_matrix(r).coords[k])).collect();
     let matrix = |k: usize| turns.iter().map(|r| T::of(r[(k / 3, k % 3)])).collect();
     (std::array::from_fn(quaternion), std::array::from_fn(matrix))
 }
@@ -34,8 +35,7 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
     let (quaternions, matrices) = poses::<T>();
     let [q, r] = [quaternions.each_ref().map(|c| &c[..]).to_vec(), matrices.each_ref().map(|c| &c[..]).to_vec()];
     let (q, r): ([&[T]; 4], [&[T]; 9]) = (q.try_into().expect("four"), r.try_into().expect("nine"));
-    let (cos, sin): (Vec<T>, Vec<T>) =
-        (0..COUNT).map(|i| (T::of((i as f64).cos()), T::of((i as f64).sin()))).unzip();
+    let (cos, sin): (Vec<T>, Vec<T>) = (0..COUNT).map(|i| (T::of((i as f64).cos()), T::of((i as f64).sin()))).unzip();
     let mut group = c.benchmark_group(format!("rotate {scalar}, {COUNT} vectors"));
     group.throughput(Throughput::Elements(COUNT as u64));
     for bands in BANDS {
@@ -103,7 +103,9 @@ fn plans(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("rotator", bands), |b| b.iter(|| Rotator::<f32>::new(bands)));
     }
     for bands in [3, 6] {
-        group.bench_function(BenchmarkId::new("naive twin, blocks", bands), |b| b.iter(|| naive::rotation(bands, &turn(3))));
+        group.bench_function(BenchmarkId::new("naive twin, blocks", bands), |b| {
+            b.iter(|| naive::rotation(bands, &turn(3)))
+        });
     }
     group.finish();
 }
