@@ -4,6 +4,6 @@ mod basis;
 mod product;
 mod rotation;
 
-pub use basis::{associated_legendre, basis, basis_function, basis_gradient};
+pub use basis::{associated_legendre, basis, basis_function, basis_gradient, basis_hessian};
 pub use product::{gamma, product, product_matrix, triple_integral};
 pub use rotation::{rotate, rotation};

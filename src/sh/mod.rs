@@ -12,6 +12,7 @@
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
 //! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
@@ -30,6 +31,7 @@ mod gamma;
 mod index;
 mod kernel;
 mod kernel_gradient;
+mod kernel_hessian;
 mod product;
 mod rotate;
 
