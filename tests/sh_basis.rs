@@ -2,7 +2,7 @@
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
 use haarmonic::Real;
-use haarmonic::nalgebra::{Complex, UnitVector3, Vector3};
+use haarmonic::nalgebra::{Complex, Matrix3, UnitVector3, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{
     Basis, Convention, Layout, Normalization, Phase, degree_order, eval, from_complex, index, to_complex,
@@ -210,10 +210,17 @@ fn batch_forms<T: Real + bits::Bits>() {
             let mut slope_rows = [rows.clone(), rows.clone(), rows.clone()];
             let [gx, gy, gz] = &mut slope_rows;
             basis.gradient_rows([&x, &y, &z], &mut value_rows, [gx, gy, gz]);
+            let mut bends = vec![Matrix3::from_element(T::nan()); n];
+            let (mut jet_values, mut jet_slopes) = (values.clone(), slopes.clone());
+            let mut jet_value_rows = vec![T::nan(); n * points];
+            let mut jet_rows: [Vec<T>; 9] = std::array::from_fn(|_| vec![T::nan(); n * points]);
+            let [jx, jy, jz, xx, xy, xz, yy, yz, zz] = &mut jet_rows;
+            basis.hessian_rows([&x, &y, &z], &mut jet_value_rows, [jx, jy, jz], [xx, xy, xz, yy, yz, zz]);
             for p in 0..points {
                 let d = Vector3::new(x[p], y[p], z[p]);
                 basis.eval(&d, &mut one);
                 basis.gradient(&d, &mut values, &mut slopes);
+                basis.hessian(&d, &mut jet_values, &mut jet_slopes, &mut bends);
                 assert_eq!(sums[p].bits(), basis.dot(&c, &d).bits());
                 for i in 0..n {
                     assert_eq!(one[i].bits(), rows[i * points + p].bits(), "bands {bands}, point {p}, coefficient {i}");
@@ -222,6 +229,14 @@ fn batch_forms<T: Real + bits::Bits>() {
                     assert_eq!(one[i].bits(), value_rows[i * points + p].bits());
                     for k in 0..3 {
                         assert_eq!(slopes[i][k].bits(), slope_rows[k][i * points + p].bits());
+                        assert_eq!(slopes[i][k].bits(), jet_slopes[i][k].bits());
+                        assert_eq!(slopes[i][k].bits(), jet_rows[k][i * points + p].bits());
+                    }
+                    assert_eq!(one[i].bits(), jet_values[i].bits());
+                    assert_eq!(one[i].bits(), jet_value_rows[i * points + p].bits());
+                    for (k, at) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate() {
+                        assert_eq!(bends[i][at].bits(), jet_rows[3 + k][i * points + p].bits());
+                        assert_eq!(bends[i][at].bits(), bends[i][(at.1, at.0)].bits());
                     }
                 }
                 let want: f64 = c.iter().zip(&one).map(|(c, y)| c.widen() * y.widen()).sum();
@@ -356,6 +371,58 @@ fn gradient_energy() {
         let l = degree_order(i).0 as f64;
         assert!((e / (l * (l + 1.0)) - 1.0).abs() < 1e-12, "coefficient {i}: {e}");
     }
+}
+
+#[test]
+fn hessian_against_differences() {
+    for bands in [1, 2, 5, 11] {
+        let (basis, basis32) = (Basis::<f64>::new(bands).unwrap(), Basis::<f32>::new(bands).unwrap());
+        let n = bands * bands;
+        let (mut y, mut g, mut h) = (vec![0.0; n], vec![Vector3::zeros(); n], vec![Matrix3::zeros(); n]);
+        let (mut y32, mut g32, mut h32) = (vec![0.0; n], vec![Vector3::zeros(); n], vec![Matrix3::zeros(); n]);
+        let (mut error, mut error32, mut radial, mut trace) = (0f64, 0f64, 0f64, 0f64);
+        for d in directions() {
+            basis.hessian(&d, &mut y, &mut g, &mut h);
+            basis32.hessian(&narrow(&d), &mut y32, &mut g32, &mut h32);
+            for (i, want) in naive::basis_hessian(bands, &d).iter().enumerate() {
+                let l = degree_order(i).0 as f64;
+                error = error.max(worst(h[i].iter().copied().zip(want)));
+                error32 = error32.max(worst(h32[i].iter().map(|&h| f64::from(h)).zip(want)));
+                radial = radial.max((h[i] * d.into_inner()).amax());
+                trace = trace.max((h[i].trace() + l * (l + 1.0) * y[i]).abs());
+            }
+        }
+        let l = bands as f64;
+        eprintln!("hessian {bands}: {error:e} {error32:e} {radial:e} {trace:e}");
+        // The differences: truncation of (l step)^6/560 l^2 √(l/2π) with l·step < 0.12; rounding 1e-15 (l/0.12)².
+        assert_below(error, 1e-8 * l * l, &format!("Hessian, bands {bands}"));
+        assert_below(error32, 1e-6 * l * l * l, &format!("Hessian in f32, bands {bands}"));
+        // |ω|² is 1 to 2 eps, times second derivatives of Y up to l² √l.
+        assert_below(radial, 1e-15 * l * l * l, "radial part");
+        assert_below(trace, 1e-15 * l * l * l, "Laplacian");
+    }
+}
+
+/// ∫ |Hess y|² = λ(λ − 1), λ = l(l + 1): Bochner's formula on the sphere, whose Ricci curvature is 1.
+#[test]
+fn hessian_energy() {
+    let bands = 24;
+    let rule = SphereQuadrature::new(2 * bands).unwrap();
+    let basis = Basis::<f64>::new(bands).unwrap();
+    let n = bands * bands;
+    let (mut y, mut g, mut h) = (vec![0.0; n], vec![Vector3::zeros(); n], vec![Matrix3::zeros(); n]);
+    let mut energy = vec![0.0; n];
+    for (d, w) in rule.directions().iter().zip(rule.weights()) {
+        basis.hessian(d, &mut y, &mut g, &mut h);
+        energy.iter_mut().zip(&h).for_each(|(e, h)| *e += w * h.norm_squared());
+    }
+    let mut error = 0f64;
+    for (i, e) in energy.iter().enumerate().skip(1) {
+        let lambda = (degree_order(i).0 * (degree_order(i).0 + 1)) as f64;
+        error = error.max((e / (lambda * (lambda - 1.0)) - 1.0).abs());
+    }
+    eprintln!("hessian energy {error:e}");
+    assert_below(error, 1e-12, "energy");
 }
 
 /// Only m = ±1 has a gradient at a pole.

@@ -154,7 +154,7 @@ fn turns() -> Vec<Rotation3<f64>> {
 
 #[test]
 fn twin() {
-    for bands in [1, 2, 3, 4, 5, 6, 7, 12, 17, 20] {
+    for bands in [1, 2, 3, 4, 5, 6, 7, 13] {
         let errors = [twin_errors::<f64>(bands), twin_errors::<f32>(bands)];
         eprintln!("{bands} {errors:?}");
         // The twin's own rounding of the direction, l eps/2 times a slope; a f32 matrix is orthogonal to 1e-7 only.
@@ -368,7 +368,7 @@ proptest! {
         for l in 0..bands {
             let norm = |c: &[f32]| c[l * l..(l + 1) * (l + 1)].iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt();
             // Tiny ones lose digits below the smallest normal number.
-            let tolerance = 3e-7 * (1.0 + l as f64).sqrt() * norm(&f) + 4e-45 * l as f64;
+            let tolerance = 5e-7 * (1.0 + l as f64).sqrt() * norm(&f) + 4e-45 * l as f64;
             for out in [&out, &by_plan] {
                 prop_assert!((norm(out) - norm(&f)).abs() <= tolerance, "degree {}: {} {}", l, norm(out), norm(&f));
             }

@@ -1,10 +1,11 @@
 //! The plan: tables of a size, applied to one direction or to many.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk};
 use super::kernel_gradient::{GradientPoint, GradientRows, walk_gradient};
+use super::kernel_hessian::{HessianPoint, HessianRows, walk_hessian};
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -211,6 +212,53 @@ impl<T: Real> Basis<T> {
         self.arch.dispatch(Batch(GradientsRows { basis: self, d: [x, y, z], values, gradients }));
     }
 
+    /// All y_i, their gradients, and their Hessians on the sphere at one direction; values and gradients as [`gradient`](Self::gradient)'s.
+    ///
+    /// The Hessian is the covariant one, a symmetric matrix in Cartesian coordinates with H ω = 0: uᵀHu is the second derivative along the
+    /// great circle that leaves in the unit tangent u. Its trace is −l(l+1) y. Finite everywhere. The Cartesian Hessian of y(r/|r|) at
+    /// |r| = 1 is H − ω∇yᵀ − ∇y ωᵀ.
+    ///
+    /// # Panics
+    /// If `values`, `gradients` or `hessians` is not bands² long.
+    #[track_caller]
+    pub fn hessian(
+        &self,
+        direction: &Vector3<T>,
+        values: &mut [T],
+        gradients: &mut [Vector3<T>],
+        hessians: &mut [Matrix3<T>],
+    ) {
+        check_length("coefficients", self.coefficient_count(), values.len());
+        check_length("gradients", self.coefficient_count(), gradients.len());
+        check_length("Hessians", self.coefficient_count(), hessians.len());
+        let d = [&[direction.x], &[direction.y], &[direction.z]];
+        walk_hessian(&self.table, self.bands, d, &mut HessianPoint { values, gradients, hessians });
+    }
+
+    /// All y_i, their gradients and Hessians at many directions, a row for each coefficient as in [`eval_rows`](Self::eval_rows), a slice
+    /// for each component: x, y, z, and xx, xy, xz, yy, yz, zz of the Hessian that [`hessian`](Self::hessian) defines.
+    ///
+    /// # Panics
+    /// If the three slices differ in length or an output's length is not bands² times it.
+    #[track_caller]
+    pub fn hessian_rows(
+        &self,
+        [x, y, z]: [&[T]; 3],
+        values: &mut [T],
+        gradients: [&mut [T]; 3],
+        hessians: [&mut [T]; 6],
+    ) {
+        let length = self.coefficient_count() * self.check_points(x, y, z);
+        check_length("values", length, values.len());
+        for g in &gradients {
+            check_length("gradients", length, g.len());
+        }
+        for h in &hessians {
+            check_length("Hessians", length, h.len());
+        }
+        self.arch.dispatch(Batch(HessiansRows { basis: self, d: [x, y, z], values, gradients, hessians }));
+    }
+
     #[track_caller]
     fn check_points(&self, x: &[T], y: &[T], z: &[T]) -> usize {
         check_length("y coordinates", x.len(), y.len());
@@ -397,6 +445,31 @@ impl<T: Real> Job for GradientsRows<'_, T> {
             let [x, y, z] = load_points::<T, L>(d, first);
             (rows.first, rows.count) = (first, L.min(stride - first));
             walk_gradient(&basis.table, basis.bands, [&x, &y, &z], &mut rows);
+        }
+    }
+}
+
+struct HessiansRows<'a, T> {
+    basis: &'a Basis<T>,
+    d: [&'a [T]; 3],
+    values: &'a mut [T],
+    gradients: [&'a mut [T]; 3],
+    hessians: [&'a mut [T]; 6],
+}
+
+impl<T: Real> Job for HessiansRows<'_, T> {
+    type Scalar = T;
+    type Output = ();
+
+    #[inline(always)]
+    fn run<const L: usize>(self) {
+        let Self { basis, d, values, gradients, hessians } = self;
+        let stride = d[0].len();
+        let mut rows = HessianRows { values, gradients, hessians, stride, first: 0, count: 0 };
+        for first in (0..stride).step_by(L) {
+            let [x, y, z] = load_points::<T, L>(d, first);
+            (rows.first, rows.count) = (first, L.min(stride - first));
+            walk_hessian(&basis.table, basis.bands, [&x, &y, &z], &mut rows);
         }
     }
 }

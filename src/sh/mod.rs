@@ -18,6 +18,7 @@
 //! | an expansion | its least and greatest value, certified | [`Extrema`] |
 //! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
 //! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
@@ -39,6 +40,7 @@ mod kernel;
 mod kernel_gradient;
 mod legendre;
 mod light;
+mod kernel_hessian;
 mod product;
 mod project;
 mod rotate;

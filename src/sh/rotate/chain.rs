@@ -1,6 +1,8 @@
 //! The chain Z(α) P Z(−β) P Z(γ) on W vectors at once, degree by degree.
 
-use super::swap::{Swap, columns};
+use std::ops::Range;
+
+use super::swap::{CLASSES, Swap};
 use super::turns::{Flat, Turns};
 use crate::Real;
 
@@ -44,46 +46,186 @@ fn turn<T: Real, const W: usize>(l: usize, powers: &[[[T; W]; 2]], v: &mut [[T; 
     }
 }
 
-/// out = P v.
-#[inline(always)]
-fn swap<T: Real, const W: usize>(l: usize, entries: &[T], v: &[[T; W]], out: &mut [[T; W]]) {
-    let mut at = 0;
-    for row in 0..2 * l + 1 {
-        let (first, count) = columns(l, row);
-        let mut sum = [T::zero(); W];
-        for k in 0..count {
-            let p = entries[at + k];
-            let v = &v[first + 2 * k];
-            for i in 0..W {
-                sum[i] += p * v[i];
-            }
-        }
-        at += count;
-        out[row] = sum;
+/// Vectors first..first + W of `count`, in and out.
+pub(super) struct Columns<'a, T> {
+    pub f: &'a [T],
+    pub out: &'a mut [T],
+    pub count: usize,
+    pub first: usize,
+}
+
+impl<T: Real> Columns<'_, T> {
+    #[inline(always)]
+    fn load<const W: usize>(&self, row: usize) -> [T; W] {
+        *self.f[row * self.count + self.first..].first_chunk::<W>().expect("W vectors")
+    }
+
+    #[inline(always)]
+    fn store<const W: usize>(&mut self, row: usize, value: &[T; W]) {
+        self.out[row * self.count + self.first..][..W].copy_from_slice(value);
     }
 }
 
-/// Degree l of W vectors, 2l + 1 rows in `v`, in place; `spare` is as long.
+/// A dense block of P, R rows of C, of a comb of v to a comb of out.
+#[inline(always)]
+fn block<T: Real, const W: usize, const R: usize, const C: usize>(
+    entries: &[T],
+    v: &[[T; W]],
+    out: &mut [[T; W]],
+    [row, column]: [usize; 2],
+) {
+    for r in 0..R {
+        let mut sum = [T::zero(); W];
+        for c in 0..C {
+            let p = entries[r * C + c];
+            let v = &v[column + 2 * c];
+            for i in 0..W {
+                let term = p * v[i];
+                sum[i] = if c == 0 { term } else { sum[i] + term };
+            }
+        }
+        out[row + 2 * r] = sum;
+    }
+}
+
+/// The degrees that are unrolled, with the sizes of the combs: upper even, upper odd, lower even, lower odd.
+macro_rules! unrolled {
+    ($($name:ident $l:literal $a:literal $b:literal $c:literal $d:literal)*) => {$(
+        /// Degree $l of W vectors.
+        #[inline(always)]
+        pub(super) fn $name<T: Real, const W: usize, const CAP: usize>(
+            table: &Swap<T>,
+            powers: &Powers<T, W, CAP>,
+            io: &mut Columns<'_, T>,
+        ) {
+            const N: usize = 2 * $l + 1;
+            const CENTRE: usize = $l * $l;
+            const FIRST: [[usize; 2]; 4] = firsts($l);
+            const _: () = assert!($a + $b + $c + $d == N && $a == CLASSES[0][0].count($l) && $b == CLASSES[1][0].count($l));
+            let entries = &table.degree($l)[..$a * $a + 2 * $b * $c + $d * $d];
+            let (mut v, mut u) = ([[T::zero(); W]; N], [[T::zero(); W]; N]);
+            for i in 0..N {
+                v[i] = io.load(CENTRE + i);
+            }
+            #[inline(always)]
+            fn swap<T: Real, const W: usize>(entries: &[T], v: &[[T; W]; N], u: &mut [[T; W]; N]) {
+                block::<T, W, $a, $a>(entries, v, u, FIRST[0]);
+                block::<T, W, $b, $c>(&entries[$a * $a..], v, u, FIRST[1]);
+                block::<T, W, $c, $b>(&entries[$a * $a + $b * $c..], v, u, FIRST[2]);
+                block::<T, W, $d, $d>(&entries[$a * $a + 2 * $b * $c..], v, u, FIRST[3]);
+            }
+            turn($l, &powers[2], &mut v);
+            swap(entries, &v, &mut u);
+            turn($l, &powers[1], &mut u);
+            swap(entries, &u, &mut v);
+            turn($l, &powers[0], &mut v);
+            for i in 0..N {
+                io.store(CENTRE + i, &v[i]);
+            }
+        }
+    )*};
+}
+
+const fn firsts(l: usize) -> [[usize; 2]; 4] {
+    let mut out = [[0; 2]; 4];
+    let mut k = 0;
+    while k < 4 {
+        out[k] = [CLASSES[k][0].first(l), CLASSES[k][1].first(l)];
+        k += 1;
+    }
+    out
+}
+
+unrolled! {
+    degree_1 1 1 1 1 0
+    degree_2 2 2 1 1 1
+    degree_3 3 2 2 2 1
+    degree_4 4 3 2 2 2
+    degree_5 5 3 3 3 2
+}
+
+/// out = P v, R rows of a block at a time.
+#[inline(always)]
+fn tile<T: Real, const W: usize, const R: usize>(
+    entries: &[T],
+    v: &[[T; W]],
+    out: &mut [[T; W]],
+    [row, column]: [usize; 2],
+) {
+    let columns = entries.len() / R;
+    let rows: [&[T]; R] = std::array::from_fn(|r| &entries[r * columns..][..columns]);
+    let mut sums = [[T::zero(); W]; R];
+    for (c, v) in v[column..].iter().step_by(2).take(columns).enumerate() {
+        for r in 0..R {
+            let p = rows[r][c];
+            for i in 0..W {
+                sums[r][i] += p * v[i];
+            }
+        }
+    }
+    for r in 0..R {
+        out[row + 2 * r] = sums[r];
+    }
+}
+
+/// out = P v.
+#[inline(always)]
+fn swap<T: Real, const W: usize>(l: usize, entries: &[T], v: &[[T; W]], out: &mut [[T; W]]) {
+    let mut rest = entries;
+    for [rows, columns] in CLASSES {
+        let (count, size, column) = (rows.count(l), columns.count(l), columns.first(l));
+        let mut r = 0;
+        while r < count {
+            let height = if count - r >= 4 { 4 } else { 1 };
+            let (head, tail) = rest.split_at(height * size);
+            let at = [rows.first(l) + 2 * r, column];
+            if height == 4 {
+                tile::<T, W, 4>(head, v, out, at);
+            } else {
+                tile::<T, W, 1>(head, v, out, at);
+            }
+            rest = tail;
+            r += height;
+        }
+    }
+}
+
+/// Degree l of W vectors; `v` and `spare` hold 2l + 1 rows.
 #[inline(always)]
 pub(super) fn rotate_degree<T: Real, const W: usize, const CAP: usize>(
     l: usize,
     table: &Swap<T>,
     powers: &Powers<T, W, CAP>,
-    v: &mut [[T; W]],
-    spare: &mut [[T; W]],
+    io: &mut Columns<'_, T>,
+    [v, spare]: [&mut [[T; W]]; 2],
 ) {
+    let (v, spare) = (&mut v[..2 * l + 1], &mut spare[..2 * l + 1]);
+    for (i, v) in v.iter_mut().enumerate() {
+        *v = io.load(l * l + i);
+    }
     let entries = table.degree(l);
     turn(l, &powers[2], v);
     swap(l, entries, v, spare);
     turn(l, &powers[1], spare);
     swap(l, entries, spare, v);
     turn(l, &powers[0], v);
+    for (i, v) in v.iter().enumerate() {
+        io.store(l * l + i, v);
+    }
 }
 
 /// A rotation that keeps or reverses the z axis, on vector `at` of `count`: no rounding where it is a half turn or none.
-pub(super) fn rotate_flat<T: Real>(bands: usize, flat: &Flat<T>, f: &[T], out: &mut [T], [count, at]: [usize; 2]) {
+#[cold]
+#[inline(never)]
+pub(super) fn rotate_flat<T: Real>(
+    degrees: Range<usize>,
+    flat: &Flat<T>,
+    f: &[T],
+    out: &mut [T],
+    [count, at]: [usize; 2],
+) {
     let [c1, s1] = flat.turn;
-    for l in 0..bands {
+    for l in degrees {
         let centre = l * (l + 1);
         // A half turn about y: (−1)^l for m ≥ 0, −(−1)^l for m < 0.
         let even = if flat.reverses && l % 2 == 1 { -T::one() } else { T::one() };

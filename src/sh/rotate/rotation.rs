@@ -8,7 +8,7 @@ use crate::error::check_length;
 use crate::{Error, Real, Result};
 
 /// The largest `bands` of a rotation.
-const MAX_BANDS: usize = 128;
+pub(super) const MAX_BANDS: usize = 128;
 
 pub(super) fn check_bands(bands: usize) -> Result<()> {
     if bands == 0 || bands > MAX_BANDS {
@@ -139,26 +139,32 @@ impl<T: Real> Rotation<T> {
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
         check_length("coefficients", self.bands * self.bands * count, f.len());
         check_length("rotated coefficients", self.bands * self.bands * count, out.len());
-        if count == 1 {
-            self.one(f, out);
+        if count < lanes::<T>() {
+            (0..count).for_each(|v| self.one([count, v], f, out));
         } else {
             self.arch.dispatch(Batch { rotation: self, count, f, out });
         }
     }
 
-    fn one(&self, f: &[T], out: &mut [T]) {
+    /// Vector v of `count`.
+    fn one(&self, [count, v]: [usize; 2], f: &[T], out: &mut [T]) {
         for l in 0..self.bands {
-            let (size, rows) = (2 * l + 1, l * l..(l + 1) * (l + 1));
-            let (f, out) = (&f[rows.clone()], &mut out[rows]);
-            for (out, row) in out.iter_mut().zip(self.block(l).chunks_exact(size)) {
+            let size = 2 * l + 1;
+            let f = f[l * l * count..].iter().skip(v).step_by(count);
+            for (row, i) in self.block(l).chunks_exact(size).zip(l * l..) {
                 let mut sum = T::zero();
-                for (&m, &f) in row.iter().zip(f) {
+                for (&m, &f) in row.iter().zip(f.clone()) {
                     sum += m * f;
                 }
-                *out = sum;
+                out[i * count + v] = sum;
             }
         }
     }
+}
+
+/// Vectors of a block: two AVX2 registers.
+const fn lanes<T>() -> usize {
+    if size_of::<T>() == 4 { 16 } else { 8 }
 }
 
 fn check_finite(what: &'static str, values: &[f64]) -> Result<()> {
@@ -188,74 +194,137 @@ impl<T: Real> WithSimd for Batch<'_, T> {
 impl<T: Real> Batch<'_, T> {
     #[inline(always)]
     fn run<const W: usize>(self) {
-        let Self { rotation, count, f, out } = self;
-        let full = count - count % (2 * W);
-        for first in (0..full).step_by(2 * W) {
-            rotation.columns::<W>(count, first, f, out);
+        if self.rotation.bands <= 6 {
+            self.blocks::<W>(&mut []);
+        } else {
+            self.blocks::<W>(&mut [[[T::zero(); W]; 2]; 2 * MAX_BANDS]);
         }
-        if full < count {
-            // The last vectors again as a batch of their own, padded with zeros.
-            let width = count - full;
-            let rows = rotation.bands * rotation.bands;
-            let (mut last, mut turned) = (vec![T::zero(); rows * 2 * W], vec![T::zero(); rows * 2 * W]);
-            for i in 0..rows {
-                last[i * 2 * W..][..width].copy_from_slice(&f[i * count + full..][..width]);
-            }
-            rotation.columns::<W>(2 * W, 0, &last, &mut turned);
-            for i in 0..rows {
-                out[i * count + full..][..width].copy_from_slice(&turned[i * 2 * W..][..width]);
+    }
+
+    #[inline(always)]
+    fn blocks<const W: usize>(self, local: &mut [[[T; W]; 2]]) {
+        let Self { rotation, count, f, out } = self;
+        let mut io = Io { f, out, count, first: 0, local };
+        for block in (0..count).step_by(2 * W) {
+            // The last block holds 2W vectors as well, some for the second time.
+            io.first = block.min(count - 2 * W);
+            rotation.columns(&mut io);
+        }
+    }
+}
+
+/// Vectors first..first + 2W of `count`, in and out.
+struct Io<'a, T, const W: usize> {
+    f: &'a [T],
+    out: &'a mut [T],
+    count: usize,
+    first: usize,
+    local: &'a mut [[[T; W]; 2]],
+}
+
+impl<T: Real, const W: usize> Io<'_, T, W> {
+    #[inline(always)]
+    fn load(&self, row: usize) -> [[T; W]; 2] {
+        let (halves, _) = self.f[row * self.count + self.first..][..2 * W].as_chunks::<W>();
+        [halves[0], halves[1]]
+    }
+
+    /// R rows of a block, from `row` on, times N rows of vectors.
+    #[inline(always)]
+    fn multiply<const R: usize, const N: usize>(&mut self, block: &[T], vectors: &[[[T; W]; 2]; N], row: usize) {
+        let block = &block[..R * N];
+        let mut sums = [[[T::zero(); W]; 2]; R];
+        for j in 0..N {
+            add(&mut sums, std::array::from_fn(|r| block[r * N + j]), &vectors[j]);
+        }
+        self.store(row, &sums);
+    }
+
+    /// The same for any number of vectors.
+    #[inline(always)]
+    fn multiply_any<const R: usize>(&mut self, block: &[T], size: usize, row: usize) {
+        let rows: [&[T]; R] = std::array::from_fn(|r| &block[r * size..][..size]);
+        let mut sums = [[[T::zero(); W]; 2]; R];
+        for (j, vectors) in self.local[..size].iter().enumerate() {
+            add(&mut sums, std::array::from_fn(|r| rows[r][j]), vectors);
+        }
+        self.store(row, &sums);
+    }
+
+    #[inline(always)]
+    fn store<const R: usize>(&mut self, row: usize, sums: &[[[T; W]; 2]; R]) {
+        for (r, sums) in sums.iter().enumerate() {
+            self.out[(row + r) * self.count + self.first..][..2 * W].copy_from_slice(sums.as_flattened());
+        }
+    }
+}
+
+#[inline(always)]
+fn add<T: Real, const W: usize, const R: usize>(sums: &mut [[[T; W]; 2]; R], column: [T; R], vectors: &[[T; W]; 2]) {
+    for r in 0..R {
+        for h in 0..2 {
+            for i in 0..W {
+                sums[r][h][i] += column[r] * vectors[h][i];
             }
         }
     }
 }
 
 impl<T: Real> Rotation<T> {
-    /// Vectors first..first + 2W.
+    /// 2W vectors. Three to five rows at a time hold their sums in registers.
     #[inline(always)]
-    fn columns<const W: usize>(&self, count: usize, first: usize, f: &[T], out: &mut [T]) {
-        for l in 0..self.bands {
-            let size = 2 * l + 1;
-            let at = l * l * count + first;
-            let (block, f, out) = (self.block(l), &f[at..], &mut out[at..]);
-            // Three to five rows at a time hold their sums in registers; as even as can be.
-            let tiles = size.div_ceil(5);
-            let mut row = 0;
-            for tile in 0..tiles {
-                let rows = (size - row).div_ceil(tiles - tile);
-                let block = &block[row * size..][..rows * size];
-                let out = &mut out[row * count..];
-                match rows {
-                    1 => multiply::<T, W, 1>(block, count, f, out),
-                    3 => multiply::<T, W, 3>(block, count, f, out),
-                    4 => multiply::<T, W, 4>(block, count, f, out),
-                    _ => multiply::<T, W, 5>(block, count, f, out),
+    fn columns<const W: usize>(&self, io: &mut Io<'_, T, W>) {
+        macro_rules! degree {
+            ($l:literal: $($rows:literal)*) => {
+                if self.bands > $l {
+                    const N: usize = 2 * $l + 1;
+                    let mut block = &self.blocks[block_start($l)..block_start($l + 1)];
+                    let mut vectors = [[[T::zero(); W]; 2]; N];
+                    for j in 0..N {
+                        vectors[j] = io.load($l * $l + j);
+                    }
+                    let mut row = $l * $l;
+                    $(
+                        io.multiply::<$rows, N>(block, &vectors, row);
+                        #[allow(unused_assignments, reason = "the last one's")]
+                        {
+                            block = &block[$rows * N..];
+                            row += $rows;
+                        }
+                    )*
                 }
-                row += rows;
-            }
+            };
+        }
+        degree!(0: 1);
+        degree!(1: 3);
+        degree!(2: 5);
+        degree!(3: 4 3);
+        degree!(4: 5 4);
+        degree!(5: 4 4 3);
+        for l in 6..self.bands {
+            self.degree(l, io);
         }
     }
-}
 
-/// R rows of a block times 2W columns of `f`.
-#[inline(always)]
-fn multiply<T: Real, const W: usize, const R: usize>(block: &[T], count: usize, f: &[T], out: &mut [T]) {
-    let size = block.len() / R;
-    let rows: [&[T]; R] = std::array::from_fn(|r| &block[r * size..][..size]);
-    let mut sums = [[[T::zero(); W]; 2]; R];
-    for (j, f) in f.chunks(count).take(size).enumerate() {
-        let halves = [f.first_chunk::<W>(), f[W..].first_chunk::<W>()].map(|half| half.expect("2W columns"));
-        for r in 0..R {
-            let m = rows[r][j];
-            for h in 0..2 {
-                for i in 0..W {
-                    sums[r][h][i] += m * halves[h][i];
-                }
-            }
+    #[inline(always)]
+    fn degree<const W: usize>(&self, l: usize, io: &mut Io<'_, T, W>) {
+        let size = 2 * l + 1;
+        for j in 0..size {
+            io.local[j] = io.load(l * l + j);
         }
-    }
-    for (r, sums) in sums.iter().enumerate() {
-        for (h, sum) in sums.iter().enumerate() {
-            out[r * count + h * W..][..W].copy_from_slice(sum);
+        let block = &self.blocks[block_start(l)..block_start(l + 1)];
+        // As even as can be.
+        let tiles = size.div_ceil(5);
+        let mut row = 0;
+        for tile in 0..tiles {
+            let rows = (size - row).div_ceil(tiles - tile);
+            let block = &block[row * size..];
+            match rows {
+                3 => io.multiply_any::<3>(block, size, l * l + row),
+                4 => io.multiply_any::<4>(block, size, l * l + row),
+                _ => io.multiply_any::<5>(block, size, l * l + row),
+            }
+            row += rows;
         }
     }
 }

@@ -3,10 +3,12 @@
 use nalgebra::{Rotation3, UnitQuaternion};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::chain::{Powers, powers, rotate_degree, rotate_flat};
-use super::rotation::check_bands;
+use super::chain::{
+    Columns, Powers, degree_1, degree_2, degree_3, degree_4, degree_5, powers, rotate_degree, rotate_flat,
+};
+use super::rotation::{MAX_BANDS, check_bands};
 use super::swap::Swap;
-use super::turns::{Matrices, Poses, Quaternions, components, entries, load, tiny};
+use super::turns::{Poses, Turns, components, entries, tiny};
 use crate::error::check_length;
 use crate::{Real, Result};
 
@@ -14,6 +16,9 @@ use crate::{Real, Result};
 const LANES_F32: usize = 8;
 /// The same register of `f64`.
 const LANES_F64: usize = 4;
+
+/// Bands whose degrees are unrolled.
+const UNROLLED: usize = 6;
 
 /// Rotates expansions, each by a rotation of its own that need not be known before.
 ///
@@ -72,7 +77,7 @@ impl<T: Real> Rotator<T> {
     pub fn apply(&self, rotation: &Rotation3<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
         let r = entries(rotation);
-        self.one(&Matrices(std::array::from_fn(|k| &r[k..=k])), f, out);
+        self.one(&Poses::Matrices(std::array::from_fn(|k| &r[k..=k])), f, out);
     }
 
     /// `out` = `f` rotated by a quaternion; a little faster than by a matrix.
@@ -83,7 +88,7 @@ impl<T: Real> Rotator<T> {
     pub fn apply_quaternion(&self, rotation: &UnitQuaternion<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
         let q = components(rotation);
-        self.one(&Quaternions(std::array::from_fn(|k| &q[k..=k])), f, out);
+        self.one(&Poses::Quaternions(std::array::from_fn(|k| &q[k..=k])), f, out);
     }
 
     /// `count` expansions, each rotated by its quaternion x, y, z, w: the same bits as [`apply_quaternion`](Self::apply_quaternion) one by
@@ -93,9 +98,11 @@ impl<T: Real> Rotator<T> {
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
     pub fn batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
-        quaternions.iter().for_each(|c| check_length("rotations", count, c.len()));
+        for c in quaternions {
+            check_length("rotations", count, c.len());
+        }
         self.check(count, f, out);
-        self.many(count, &Quaternions(quaternions), f, out);
+        self.many(count, &Poses::Quaternions(quaternions), f, out);
     }
 
     /// `count` expansions, each rotated by its matrix, nine slices of entries row by row: the same bits as [`apply`](Self::apply) one by one.
@@ -104,9 +111,11 @@ impl<T: Real> Rotator<T> {
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
     pub fn batch_matrices(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
-        matrices.iter().for_each(|c| check_length("rotations", count, c.len()));
+        for c in matrices {
+            check_length("rotations", count, c.len());
+        }
         self.check(count, f, out);
-        self.many(count, &Matrices(matrices), f, out);
+        self.many(count, &Poses::Matrices(matrices), f, out);
     }
 
     #[track_caller]
@@ -115,83 +124,109 @@ impl<T: Real> Rotator<T> {
         check_length("rotated coefficients", self.bands * self.bands * count, out.len());
     }
 
-    #[inline(always)]
-    fn one<P: Poses<T>>(&self, poses: &P, f: &[T], out: &mut [T]) {
-        let job = Job { rotator: self, poses, count: 1, f, out };
-        job.sized::<1>();
+    fn one(&self, poses: &Poses<'_, T>, f: &[T], out: &mut [T]) {
+        Job { rotator: self, poses, count: 1, f, out }.run::<1>();
     }
 
-    fn many<P: Poses<T>>(&self, count: usize, poses: &P, f: &[T], out: &mut [T]) {
-        self.arch.dispatch(Job { rotator: self, poses, count, f, out });
+    fn many(&self, count: usize, poses: &Poses<'_, T>, f: &[T], out: &mut [T]) {
+        let job = Job { rotator: self, poses, count, f, out };
+        if count < lanes::<T>() { job.run::<1>() } else { self.arch.dispatch(job) }
     }
 }
 
 /// Rotation of `count` vectors; run by `pulp` with the instructions that the machine has.
-struct Job<'a, T, P> {
+struct Job<'a, T> {
     rotator: &'a Rotator<T>,
-    poses: &'a P,
+    poses: &'a Poses<'a, T>,
     count: usize,
     f: &'a [T],
     out: &'a mut [T],
 }
 
-impl<T: Real, P: Poses<T>> WithSimd for Job<'_, T, P> {
+impl<T: Real> WithSimd for Job<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        if size_of::<T>() == 4 { self.sized::<LANES_F32>() } else { self.sized::<LANES_F64>() }
+        if size_of::<T>() == 4 { self.blocks::<LANES_F32>() } else { self.blocks::<LANES_F64>() }
     }
 }
 
-impl<T: Real, P: Poses<T>> Job<'_, T, P> {
-    /// A constant number of bands unrolls the chain.
+impl<T: Real> Job<'_, T> {
+    #[inline(never)]
+    fn run<const W: usize>(self) {
+        self.blocks::<W>();
+    }
+
+    /// The first six bands unrolled, then those above; blocks of W vectors, the last one with some for the second time.
     #[inline(always)]
-    fn sized<const W: usize>(self) {
-        match self.rotator.bands {
-            1 => self.out.copy_from_slice(self.f),
-            2 => self.run::<W, 2, 5>(2),
-            3 => self.run::<W, 3, 5>(3),
-            4 => self.run::<W, 4, 7>(4),
-            5 => self.run::<W, 5, 9>(5),
-            6 => self.run::<W, 6, 11>(6),
-            bands @ ..=16 => self.run::<W, 16, 31>(bands),
-            bands => self.run::<W, 128, 255>(bands),
+    fn blocks<const W: usize>(mut self) {
+        let (count, bands) = (self.count, self.rotator.bands);
+        self.out[..count].copy_from_slice(&self.f[..count]);
+        for block in (0..count).step_by(W) {
+            let first = block.min(count - W);
+            let (turns, across) = self.poses.turns::<W>(first);
+            self.low::<W>(&turns, first);
+            for (lane, &across) in across.iter().enumerate() {
+                if across < tiny() {
+                    let at = first + lane;
+                    rotate_flat(0..bands.min(UNROLLED), &self.poses.flat(at), self.f, self.out, [count, at]);
+                }
+            }
+        }
+        if bands > UNROLLED {
+            self.high::<W>();
         }
     }
 
-    /// CAP ≥ bands, ROWS ≥ 2 bands − 1.
     #[inline(always)]
-    fn run<const W: usize, const CAP: usize, const ROWS: usize>(self, bands: usize) {
+    fn low<const W: usize>(&mut self, turns: &Turns<T, W>, first: usize) {
+        let Self { rotator, count, f, ref mut out, .. } = *self;
+        let (table, bands) = (&rotator.table, rotator.bands);
+        let mut angles: Powers<T, W, UNROLLED> = [[[[T::zero(); W]; 2]; UNROLLED]; 3];
+        powers(bands.min(UNROLLED), turns, &mut angles);
+        let mut io = Columns { f, out, count, first };
+        if bands > 1 {
+            degree_1(table, &angles, &mut io);
+        }
+        if bands > 2 {
+            degree_2(table, &angles, &mut io);
+        }
+        if bands > 3 {
+            degree_3(table, &angles, &mut io);
+        }
+        if bands > 4 {
+            degree_4(table, &angles, &mut io);
+        }
+        if bands > 5 {
+            degree_5(table, &angles, &mut io);
+        }
+    }
+
+    #[inline(always)]
+    fn high<const W: usize>(self) {
         let Self { rotator, poses, count, f, out } = self;
         let zero = [T::zero(); W];
-        let mut angles: Powers<T, W, CAP> = [[[zero; 2]; CAP]; 3];
-        let (mut rows, mut spare) = ([zero; ROWS], [zero; ROWS]);
-        for first in (0..count).step_by(W) {
-            let width = W.min(count - first);
+        let mut angles: Powers<T, W, MAX_BANDS> = [[[zero; 2]; MAX_BANDS]; 3];
+        let (mut rows, mut spare) = ([zero; 2 * MAX_BANDS], [zero; 2 * MAX_BANDS]);
+        for block in (0..count).step_by(W) {
+            let first = block.min(count - W);
             let (turns, across) = poses.turns::<W>(first);
-            powers(bands, &turns, &mut angles);
-            out[first..first + width].copy_from_slice(&f[first..first + width]);
-            for l in 1..bands {
-                let size = 2 * l + 1;
-                let at = l * l * count + first;
-                for (i, row) in rows[..size].iter_mut().enumerate() {
-                    *row = load(f, at + i * count, T::zero());
-                }
-                rotate_degree(l, &rotator.table, &angles, &mut rows[..size], &mut spare[..size]);
-                for (i, row) in rows[..size].iter().enumerate() {
-                    if width == W {
-                        out[at + i * count..][..W].copy_from_slice(row);
-                    } else {
-                        out[at + i * count..][..width].copy_from_slice(&row[..width]);
-                    }
-                }
+            powers(rotator.bands, &turns, &mut angles);
+            let mut io = Columns { f, out, count, first };
+            for l in UNROLLED..rotator.bands {
+                rotate_degree(l, &rotator.table, &angles, &mut io, [&mut rows, &mut spare]);
             }
-            for (lane, &across) in across[..width].iter().enumerate() {
+            for (lane, &across) in across.iter().enumerate() {
                 if across < tiny() {
-                    rotate_flat(bands, &poses.flat(first + lane), f, out, [count, first + lane]);
+                    let at = first + lane;
+                    rotate_flat(UNROLLED..rotator.bands, &poses.flat(at), f, out, [count, at]);
                 }
             }
         }
     }
+}
+
+const fn lanes<T>() -> usize {
+    if size_of::<T>() == 4 { LANES_F32 } else { LANES_F64 }
 }

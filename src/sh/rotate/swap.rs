@@ -19,32 +19,60 @@
 
 use crate::Real;
 
-/// The non-zeros of P, degree by degree, row by row, ascending columns.
+/// The non-zeros of P, degree by degree, four dense blocks each, row-major, in the order of [`CLASSES`].
 #[derive(Debug, Clone)]
 pub(super) struct Swap<T> {
     entries: Vec<T>,
-    /// Where the entries of each degree begin.
+    /// Where the entries of each degree begin, and the last one's end.
     starts: Vec<usize>,
 }
 
-/// First column that can differ from 0 in row i of degree l, and how many there are; they are every other one.
-#[inline(always)]
-pub(super) const fn columns(l: usize, i: usize) -> (usize, usize) {
-    let odd = if i >= l { 0 } else { 1 };
-    let (first, end) = if i % 2 == 0 { (l + (l + odd) % 2, 2 * l + 1) } else { (odd, l) };
-    (first, (end + 1).saturating_sub(first) / 2)
+/// Every other row or column of a degree: those of i ≥ l or i < l, i even or odd.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Comb {
+    upper: bool,
+    odd: usize,
 }
+
+impl Comb {
+    const fn new(upper: bool, odd: usize) -> Self {
+        Self { upper, odd }
+    }
+
+    /// The first i.
+    #[inline(always)]
+    pub(super) const fn first(self, l: usize) -> usize {
+        if self.upper { l + (l + self.odd) % 2 } else { self.odd }
+    }
+
+    /// How many i there are.
+    #[inline(always)]
+    pub(super) const fn count(self, l: usize) -> usize {
+        let end = if self.upper { 2 * l + 1 } else { l };
+        (end + 1).saturating_sub(self.first(l)) / 2
+    }
+}
+
+/// The rows and the columns of the four blocks.
+pub(super) const CLASSES: [[Comb; 2]; 4] = [
+    [Comb::new(true, 0), Comb::new(true, 0)],
+    [Comb::new(true, 1), Comb::new(false, 0)],
+    [Comb::new(false, 0), Comb::new(true, 1)],
+    [Comb::new(false, 1), Comb::new(false, 1)],
+];
 
 impl<T: Real> Swap<T> {
     pub(super) fn new(bands: usize) -> Self {
         let quarter = quarter_turns(bands);
-        let (mut entries, mut starts) = (Vec::new(), Vec::new());
+        let (mut entries, mut starts) = (Vec::new(), vec![0]);
         for (l, d) in quarter.iter().enumerate() {
-            starts.push(entries.len());
-            for i in 0..2 * l + 1 {
-                let (first, count) = columns(l, i);
-                entries.extend((0..count).map(|k| T::of(entry(d, l, i, first + 2 * k))));
+            for [rows, columns] in CLASSES {
+                for r in 0..rows.count(l) {
+                    let i = rows.first(l) + 2 * r;
+                    entries.extend((0..columns.count(l)).map(|c| T::of(entry(d, l, i, columns.first(l) + 2 * c))));
+                }
             }
+            starts.push(entries.len());
         }
         Self { entries, starts }
     }
@@ -52,7 +80,7 @@ impl<T: Real> Swap<T> {
     /// The entries of degree l.
     #[inline(always)]
     pub(super) fn degree(&self, l: usize) -> &[T] {
-        &self.entries[self.starts[l]..]
+        &self.entries[self.starts[l]..self.starts[l + 1]]
     }
 }
 
@@ -110,10 +138,11 @@ mod tests {
         let swap = Swap::<f64>::new(l + 1);
         let mut entries = swap.degree(l).iter();
         let mut p = vec![vec![0.0; 2 * l + 1]; 2 * l + 1];
-        for (i, row) in p.iter_mut().enumerate() {
-            let (first, count) = columns(l, i);
-            for k in 0..count {
-                row[first + 2 * k] = *entries.next().unwrap();
+        for [rows, columns] in CLASSES {
+            for r in 0..rows.count(l) {
+                for c in 0..columns.count(l) {
+                    p[rows.first(l) + 2 * r][columns.first(l) + 2 * c] = *entries.next().unwrap();
+                }
             }
         }
         assert!(entries.next().is_none());
@@ -139,7 +168,7 @@ mod tests {
     #[test]
     fn a_quarter_can_differ_from_zero() {
         for l in 0..20usize {
-            let count: usize = (0..2 * l + 1).map(|i| columns(l, i).1).sum();
+            let count: usize = CLASSES.iter().map(|[rows, columns]| rows.count(l) * columns.count(l)).sum();
             assert_eq!(count, if l % 2 == 0 { l * l + l + 1 } else { l * l + l });
         }
     }

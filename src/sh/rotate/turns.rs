@@ -23,13 +23,50 @@ pub(super) struct Flat<T> {
     pub turn: [T; 2],
 }
 
+impl<T: Real, const W: usize> Turns<T, W> {
+    /// One step of Newton towards length 1, u (3 − |u|²)/2: a power m has m times the error of the length.
+    #[inline(always)]
+    fn normalized(mut self) -> Self {
+        let (half, more) = (T::of(0.5), T::of(1.5));
+        for unit in [&mut self.alpha, &mut self.beta, &mut self.gamma] {
+            for i in 0..W {
+                let (c, s) = (unit[0][i], unit[1][i]);
+                let scale = more - half * (c * c + s * s);
+                unit[0][i] = c * scale;
+                unit[1][i] = s * scale;
+            }
+        }
+        self
+    }
+}
+
 /// Rotations in structure-of-arrays form.
-pub(super) trait Poses<T: Real> {
-    /// The turns of rotations first..first + W, and sin²β scaled: below [`tiny`], the rotation is to be taken from
-    /// [`flat`](Self::flat) and its turns mean nothing. Beyond the last rotation they mean nothing either.
-    fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]);
+pub(super) enum Poses<'a, T> {
+    /// Components x, y, z, w.
+    Quaternions([&'a [T]; 4]),
+    /// The nine entries, row by row.
+    Matrices([&'a [T]; 9]),
+}
+
+impl<T: Real> Poses<'_, T> {
+    /// The turns of rotations first..first + W, and sin²β up to a factor: below [`tiny`], the rotation is to be taken from
+    /// [`flat`](Self::flat) and its turns mean nothing.
+    #[inline(always)]
+    pub(super) fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]) {
+        let (turns, across) = match self {
+            Self::Quaternions(q) => quaternion_turns(q, first),
+            Self::Matrices(r) => matrix_turns(r, first),
+        };
+        (turns.normalized(), across)
+    }
+
     /// Rotation `at`, one whose axis is lost.
-    fn flat(&self, at: usize) -> Flat<T>;
+    pub(super) fn flat(&self, at: usize) -> Flat<T> {
+        match self {
+            Self::Quaternions(q) => quaternion_flat(q.map(|c| c[at])),
+            Self::Matrices(r) => matrix_flat(&r.map(|c| c[at])),
+        }
+    }
 }
 
 /// sin²β that is taken for 0: far below eps², and its relative accuracy is full.
@@ -58,94 +95,82 @@ pub(super) fn load<T: Real, const W: usize>(values: &[T], first: usize, pad: T) 
     }
 }
 
-/// Quaternions x, y, z, w.
-pub(super) struct Quaternions<'a, T>(pub [&'a [T]; 4]);
-
-impl<T: Real> Poses<T> for Quaternions<'_, T> {
-    #[inline(always)]
-    fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]) {
-        let one = T::one();
-        let [x, y, z, w] = [0, 1, 2, 3].map(|k| load::<T, W>(self.0[k], first, one));
-        let zero = [[T::zero(); W]; 2];
-        let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
-        let mut across = [T::zero(); W];
-        for i in 0..W {
-            let (p, q) = (w[i] * w[i] + z[i] * z[i], x[i] * x[i] + y[i] * y[i]);
-            across[i] = p * q;
-            let root = across[i].sqrt();
-            let (scale, whole) = (one / root, one / (p + q));
-            let (wy, zx, zy, wx) = (w[i] * y[i], z[i] * x[i], z[i] * y[i], w[i] * x[i]);
-            turns.alpha[0][i] = (wy + zx) * scale;
-            turns.alpha[1][i] = (zy - wx) * scale;
-            turns.beta[0][i] = (p - q) * whole;
-            turns.beta[1][i] = (root + root) * whole;
-            turns.gamma[0][i] = (wy - zx) * scale;
-            turns.gamma[1][i] = (zy + wx) * scale;
-        }
-        (turns, across)
+#[inline(always)]
+fn quaternion_turns<T: Real, const W: usize>(q: &[&[T]; 4], first: usize) -> (Turns<T, W>, [T; W]) {
+    let one = T::one();
+    let [x, y, z, w] = [0, 1, 2, 3].map(|k| load::<T, W>(q[k], first, one));
+    let zero = [[T::zero(); W]; 2];
+    let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
+    let mut across = [T::zero(); W];
+    for i in 0..W {
+        let (p, q) = (w[i] * w[i] + z[i] * z[i], x[i] * x[i] + y[i] * y[i]);
+        across[i] = p * q;
+        let root = across[i].sqrt();
+        let (scale, whole) = (one / root, one / (p + q));
+        let (wy, zx, zy, wx) = (w[i] * y[i], z[i] * x[i], z[i] * y[i], w[i] * x[i]);
+        turns.alpha[0][i] = (wy + zx) * scale;
+        turns.alpha[1][i] = (zy - wx) * scale;
+        turns.beta[0][i] = (p - q) * whole;
+        turns.beta[1][i] = (root + root) * whole;
+        turns.gamma[0][i] = (wy - zx) * scale;
+        turns.gamma[1][i] = (zy + wx) * scale;
     }
-
-    fn flat(&self, at: usize) -> Flat<T> {
-        let [x, y, z, w] = self.0.map(|c| c[at]);
-        let reverses = w * w + z * z < x * x + y * y;
-        let (re, im) = if reverses { (y, -x) } else { (w, z) };
-        // The square of the unit number: squares of (re, im) themselves may underflow.
-        let [c, s] = unit(re, im);
-        Flat { reverses, turn: [c * c - s * s, c * s + s * c] }
-    }
+    (turns, across)
 }
 
-/// Matrices, the nine entries row by row.
-pub(super) struct Matrices<'a, T>(pub [&'a [T]; 9]);
-
-impl<T: Real> Poses<T> for Matrices<'_, T> {
-    /// α and β are the third column's direction, (R02 + iR12, R22). γ must fit α where both are ill-defined, so it is taken from
-    /// what the other entries know best: (R00 + R11, R10 − R01) = (1 + cos β) e^{i(α+γ)} above the equator,
-    /// (R11 − R00, −R10 − R01) = (1 − cos β) e^{i(α−γ)} below.
-    #[inline(always)]
-    fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]) {
-        let one = T::one();
-        let at = |k: usize| load::<T, W>(self.0[k], first, one);
-        let (r00, r01, r02, r10, r11, r12, r22) = (at(0), at(1), at(2), at(3), at(4), at(5), at(8));
-        let zero = [[T::zero(); W]; 2];
-        let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
-        let mut across = [T::zero(); W];
-        for i in 0..W {
-            across[i] = r02[i] * r02[i] + r12[i] * r12[i];
-            let root = across[i].sqrt();
-            let (scale, whole) = (one / root, one / (across[i] + r22[i] * r22[i]).sqrt());
-            let (c, s) = (r02[i] * scale, r12[i] * scale);
-            let up = r22[i] >= T::zero();
-            let re = if up { r00[i] + r11[i] } else { r11[i] - r00[i] };
-            let im = if up { r10[i] - r01[i] } else { r10[i] + r01[i] };
-            let size = one / (re * re + im * im).sqrt();
-            // Above: (re + i im) e^{−iα}. Below: e^{iα} (re + i im).
-            let (ss, cs) = if up { (s, c) } else { (-s, c) };
-            turns.alpha[0][i] = c;
-            turns.alpha[1][i] = s;
-            turns.beta[0][i] = r22[i] * whole;
-            turns.beta[1][i] = root * whole;
-            turns.gamma[0][i] = (re * cs + im * ss) * size;
-            turns.gamma[1][i] = (im * cs - re * ss) * size;
-        }
-        (turns, across)
-    }
-
-    fn flat(&self, at: usize) -> Flat<T> {
-        let r = self.0.map(|c| c[at]);
-        let reverses = r[8] < T::zero();
-        let turn = if reverses { unit(r[4] - r[0], -r[3] - r[1]) } else { unit(r[0] + r[4], r[3] - r[1]) };
-        Flat { reverses, turn }
-    }
+fn quaternion_flat<T: Real>([x, y, z, w]: [T; 4]) -> Flat<T> {
+    let reverses = w * w + z * z < x * x + y * y;
+    let (re, im) = if reverses { (y, -x) } else { (w, z) };
+    // The square of the unit number: squares of (re, im) themselves may underflow.
+    let [c, s] = unit(re, im);
+    Flat { reverses, turn: [c * c - s * s, c * s + s * c] }
 }
 
-/// One rotation's nine numbers, as [`Matrices`] wants them.
+/// α and β are the third column's direction, (R02 + iR12, R22). γ must fit α where both are ill-defined, so it is taken from
+/// what the other entries know best: (R00 + R11, R10 − R01) = (1 + cos β) e^{i(α+γ)} above the equator,
+/// (R11 − R00, −R10 − R01) = (1 − cos β) e^{i(α−γ)} below.
+#[inline(always)]
+fn matrix_turns<T: Real, const W: usize>(r: &[&[T]; 9], first: usize) -> (Turns<T, W>, [T; W]) {
+    let one = T::one();
+    let at = |k: usize| load::<T, W>(r[k], first, one);
+    let (r00, r01, r02, r10, r11, r12, r22) = (at(0), at(1), at(2), at(3), at(4), at(5), at(8));
+    let zero = [[T::zero(); W]; 2];
+    let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
+    let mut across = [T::zero(); W];
+    for i in 0..W {
+        across[i] = r02[i] * r02[i] + r12[i] * r12[i];
+        let root = across[i].sqrt();
+        let (scale, whole) = (one / root, one / (across[i] + r22[i] * r22[i]).sqrt());
+        let (c, s) = (r02[i] * scale, r12[i] * scale);
+        let up = r22[i] >= T::zero();
+        let re = if up { r00[i] + r11[i] } else { r11[i] - r00[i] };
+        let im = if up { r10[i] - r01[i] } else { r10[i] + r01[i] };
+        let size = one / (re * re + im * im).sqrt();
+        // Above: (re + i im) e^{−iα}. Below: e^{iα} (re + i im).
+        let (ss, cs) = if up { (s, c) } else { (-s, c) };
+        turns.alpha[0][i] = c;
+        turns.alpha[1][i] = s;
+        turns.beta[0][i] = r22[i] * whole;
+        turns.beta[1][i] = root * whole;
+        turns.gamma[0][i] = (re * cs + im * ss) * size;
+        turns.gamma[1][i] = (im * cs - re * ss) * size;
+    }
+    (turns, across)
+}
+
+fn matrix_flat<T: Real>(r: &[T; 9]) -> Flat<T> {
+    let reverses = r[8] < T::zero();
+    let turn = if reverses { unit(r[4] - r[0], -r[3] - r[1]) } else { unit(r[0] + r[4], r[3] - r[1]) };
+    Flat { reverses, turn }
+}
+
+/// One rotation's nine numbers, as [`Poses`] wants them.
 pub(super) fn entries<T: Real>(rotation: &Rotation3<T>) -> [T; 9] {
     let r = rotation.matrix();
     [r.m11, r.m12, r.m13, r.m21, r.m22, r.m23, r.m31, r.m32, r.m33]
 }
 
-/// One rotation's four numbers, as [`Quaternions`] wants them.
+/// One rotation's four numbers, as [`Poses`] wants them.
 pub(super) fn components<T: Real>(rotation: &UnitQuaternion<T>) -> [T; 4] {
     let q = rotation.as_ref().coords;
     [q.x, q.y, q.z, q.w]
