@@ -1,10 +1,14 @@
 //! Light as coefficients.
 
+mod diffuse;
 mod irradiance;
+mod polygon;
 
 use nalgebra::Vector3;
 
+pub use diffuse::{DiffuseLight, DiffuseLightTable};
 pub use irradiance::Irradiance;
+pub use polygon::{PolygonLight, PolygonScratch, Sides};
 
 use super::zonal::CapFactors;
 use super::{Basis, Zonal};
