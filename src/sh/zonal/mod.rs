@@ -10,7 +10,7 @@ pub use von_mises_fisher::VonMisesFisher;
 
 use super::Basis;
 use crate::error::check_length;
-use crate::numeric::{GaussLegendre, legendre_all};
+use crate::numeric::{GaussLegendre, LegendreSteps, legendre_all};
 use crate::{Error, Real, Result};
 
 /// A function f(cos θ) of the angle to an axis, in `bands` numbers.
@@ -225,14 +225,13 @@ impl<T: Real> Zonal<T> {
     ///
     ///   f(t) = Σ (2l+1)/4π k_l P_l(t)
     pub fn eval(&self, cosine: T) -> T {
-        let (t, quarter) = (cosine.widen(), 0.25 / std::f64::consts::PI);
-        let (mut sum, mut p, mut before) = (0.0, 1.0, 0.0);
+        let mut steps = LegendreSteps::new(cosine.widen());
+        let mut sum = 0.0;
         for (l, k) in self.factors.iter().enumerate() {
-            let l = l as f64;
-            sum += (2.0 * l + 1.0) * quarter * k.widen() * p;
-            let up = t * p;
-            (p, before) = (up + l / (l + 1.0) * (up - before), p);
+            sum += (2 * l + 1) as f64 * k.widen() * steps.value();
+            steps.advance();
         }
+        let sum = 0.25 / std::f64::consts::PI * sum;
         T::of(sum)
     }
 
