@@ -143,7 +143,7 @@ impl<T: Real> Zonal<T> {
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0, or unless 0 ≤ `power` < ∞.
     pub fn cosine_power(bands: usize, power: f64) -> Result<Self> {
-        if !(power >= 0.0 && power < f64::INFINITY) {
+        if !(0.0..f64::INFINITY).contains(&power) {
             return Err(Error::OutOfRange { what: "power of a cosine", got: power, allowed: "in [0, ∞)" });
         }
         Self::take(bands, factors::cosine_power(power))
