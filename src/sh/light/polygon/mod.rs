@@ -43,7 +43,7 @@ pub enum Sides {
 /// half-space, as that of every polygon does that is seen from outside its plane. Where the outline crosses itself, parts count as often
 /// as it runs around them. From within the plane, from a vertex or an edge there is no light or a finite part of it.
 ///
-/// Units: [coefficients] = sr; times the radiance they are those of the light. Computed in `f64` whatever the scalar.
+/// Units: coefficients are in sr; times the radiance they are those of the light. Computed in `f64` whatever the scalar.
 /// Accuracy, of the largest coefficient: 4e-15 at any size of the polygon up to 16 bands, 2e-14 at 64; measured against brute force and 4× as many nodes.
 /// Cost, counted: per arc about 6 + bands · length/2 evaluations of bands − 1 bands. Immutable; calls do not allocate but for a scratch
 /// that sees more vertices than before.
