@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use haarmonic::Real;
 use haarmonic::nalgebra::{UnitVector3, Vector3, Vector4};
 use haarmonic::reference::sh as naive;
-use haarmonic::sh::{Basis, Irradiance, Light, Lights, Measure, Zonal};
+use haarmonic::sh::{Basis, DiffuseLight, Irradiance, Light, Lights, Measure, Zonal};
 use haarmonic::sphere::fibonacci_directions;
 use haarmonic::strategies::direction;
 use proptest::prelude::*;
@@ -319,6 +319,113 @@ fn golden_clamped_cosine_at_a_normal() {
     let (basis, mut h) = (Basis::<f64>::new(6).unwrap(), vec![0.0; 36]);
     Zonal::clamped_cosine(6).unwrap().scaled(FRAC_1_PI).about(&basis, &normal, &mut h);
     assert_all_close(&h, &want, 1e-15, "H(N)");
+}
+
+fn random(count: usize) -> Vec<f64> {
+    (0..count).map(|i| (12.9898 * (i + 1) as f64).sin()).collect()
+}
+
+#[test]
+fn light_at_a_normal_is_the_product() {
+    for (bands, cosine, out) in [(1, 1, 1), (1, 3, 2), (3, 3, 3), (4, 6, 3), (6, 6, 6), (3, 2, 5)] {
+        let light = random(bands * bands);
+        let plan = DiffuseLight::new(&light, cosine, out).unwrap();
+        assert_eq!((plan.bands(), plan.scratch_len()), ([cosine, out], cosine * cosine));
+        let narrow = DiffuseLight::new(&light.iter().map(|c| *c as f32).collect::<Vec<_>>(), cosine, out).unwrap();
+        let (mut got, mut scratch) = (vec![f64::NAN; out * out], vec![f64::NAN; cosine * cosine]);
+        let (mut got32, mut scratch32) = (vec![f32::NAN; out * out], vec![f32::NAN; cosine * cosine]);
+        for normal in fibonacci_directions(5).into_iter().chain([Vector3::z_axis()]) {
+            plan.eval(&normal, &mut got, &mut scratch);
+            let want = naive::diffuse_light(&light, cosine, &normal, out);
+            // Sums of bands_cosine² terms of at most 1.
+            assert_all_close(&got, &want, 4e-15, &format!("{bands} {cosine} {out}"));
+            narrow.eval(&normal.map(|c| c as f32), &mut got32, &mut scratch32);
+            assert_all_close(&got32, &want, 2e-6, &format!("f32, {bands} {cosine} {out}"));
+        }
+    }
+    assert!(DiffuseLight::new(&[1.0; 8], 2, 2).is_err() && DiffuseLight::new(&[1.0; 9], 0, 2).is_err());
+    assert!(DiffuseLight::<f64>::new(&[], 2, 2).is_err());
+}
+
+#[test]
+fn light_at_a_normal_without_blockers_is_irradiance() {
+    let light = random(9);
+    let plan = DiffuseLight::new(&light, 3, 1).unwrap();
+    let (mut out, mut scratch) = ([0.0], [0.0; 9]);
+    for normal in fibonacci_directions(9) {
+        plan.eval(&normal, &mut out, &mut scratch);
+        // g = 1 has √4π in its first coefficient.
+        let reflected = out[0] * (4.0 * PI).sqrt();
+        assert!((reflected - naive::irradiance(&light, &normal) / PI).abs() < 2e-15);
+    }
+}
+
+#[test]
+fn bands_of_the_cosine_beyond_the_selection_rules_do_not_matter() {
+    let light = random(9);
+    // 3 + 4 − 1 bands; odd degrees from 3 are empty, so the sixth is not needed.
+    let [exact, more] = [6, 9].map(|cosine| DiffuseLight::new(&light, cosine, 4).unwrap());
+    let normal = fibonacci_directions(3)[1];
+    let mut outs = [[0.0; 16]; 2];
+    exact.eval(&normal, &mut outs[0], &mut [0.0; 36]);
+    more.eval(&normal, &mut outs[1], &mut [0.0; 81]);
+    assert_all_close(&outs[0], &outs[1], 1e-15, "more");
+    // And it is the projection of the light times the cosine.
+    let value = |d: &UnitVector3<f64>| naive::basis(3, d).iter().zip(&light).map(|(y, l)| y * l).sum::<f64>();
+    let want = naive::project_cap(4, &normal, FRAC_PI_2, 3, |d| value(d) * d.dot(&normal) / PI);
+    assert_all_close(&outs[0], &want, 2e-15, "projection");
+}
+
+/// The largest error of a table of this side over the largest coefficient.
+fn table_error(bands: usize, side: usize) -> f64 {
+    let plan = DiffuseLight::new(&random(bands * bands), bands, bands).unwrap();
+    let table = plan.table(side).unwrap();
+    assert_eq!(table.side(), side);
+    let (mut direct, mut looked, mut scratch) = ([0; 3].map(|_| vec![0.0; bands * bands])).into();
+    let (mut largest, mut worst) = (0.0f64, 0.0f64);
+    for normal in fibonacci_directions(3000) {
+        plan.eval(&normal, &mut direct, &mut scratch);
+        table.lookup(&(normal.into_inner() * 3.0), &mut looked);
+        for (a, b) in direct.iter().zip(&looked) {
+            (largest, worst) = (largest.max(a.abs()), worst.max((a - b).abs()));
+        }
+    }
+    worst / largest
+}
+
+#[test]
+fn tables_err_as_stated() {
+    // side² · error.
+    for (bands, constant) in [(2, 0.68), (3, 1.0), (4, 1.35), (6, 1.2)] {
+        let errors = [16, 32, 64].map(|side| table_error(bands, side) * (side * side) as f64);
+        assert!(errors.iter().all(|e| (0.9 * constant..1.1 * constant).contains(e)), "{bands} bands: {errors:?}");
+    }
+    assert!(table_error(1, 1) < 1e-15);
+}
+
+#[test]
+fn tables_are_exact_at_nodes_and_continuous_over_edges() {
+    let plan = DiffuseLight::new(&random(16), 4, 4).unwrap();
+    let table = plan.table(4).unwrap();
+    let (mut direct, mut looked, mut beside, mut scratch) = ([0.0; 16], [0.0; 16], [0.0; 16], [0.0; 16]);
+    for d in [[1.0, 0.5, -1.0], [1.0, 1.0, 1.0], [-0.5, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, -1.0, 0.5]] {
+        let d = Vector3::from(d);
+        plan.eval(&d.normalize(), &mut direct, &mut scratch);
+        table.lookup(&d, &mut looked);
+        assert_all_close(&looked, &direct, 1e-15, "node");
+    }
+    for (d, step) in
+        [([1.0, 0.3, 1.0], Vector3::x()), ([0.3, -1.0, 1.0], Vector3::y()), ([-1.0, 1.0, 0.9], Vector3::x())]
+    {
+        table.lookup(&(Vector3::from(d) + step * 1e-13), &mut looked);
+        table.lookup(&(Vector3::from(d) - step * 1e-13), &mut beside);
+        assert_all_close(&looked, &beside, 1e-11, "edge");
+    }
+    table.lookup(&Vector3::new(0.0, f64::NAN, 1.0), &mut looked);
+    assert!(looked.iter().all(|c| c.is_nan()));
+    approx::assert_abs_diff_eq!(plan.table(4).unwrap(), table, epsilon = 0.0);
+    approx::assert_abs_diff_ne!(plan.table(3).unwrap(), table, epsilon = 1.0);
+    assert!(plan.table(0).is_err());
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod quadrature;
 mod safe;
 mod sum;
 
+pub(crate) use legendre::LegendreSteps;
 pub use legendre::{legendre, legendre_all, legendre_slopes};
 pub use quadrature::GaussLegendre;
 pub use safe::{safe_acos, safe_asin, safe_sqrt};

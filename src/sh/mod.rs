@@ -1,4 +1,4 @@
-//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions.
+//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions; zonal functions and lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
 //! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
@@ -24,6 +24,10 @@
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
 //! | three | ∫ f g h | [`Product::integral`] |
+//! | a function of the angle to an axis: cosine, lobe, cap, von Mises–Fisher | its coefficients about any axis; convolution with it | [`Zonal`] |
+//! | a sun, a sky, a glowing ball | its coefficients, in the units you mean | [`Lights`] |
+//! | a polygon that glows | its coefficients from any point, clipped by the horizon | [`PolygonLight`] |
+//! | radiance | irradiance for many normals; with a visibility for each | [`Irradiance`]; [`DiffuseLight`] and its table |
 //! | curiosity | ∫ y_i y_j y_k, all that are not zero | [`gamma`], [`TripleTensor`] |
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
@@ -55,7 +59,9 @@ pub use exponential::{
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
 pub use legendre::associated_legendre;
-pub use light::{Irradiance, Light, Lights, Measure};
+pub use light::{
+    DiffuseLight, DiffuseLightTable, Irradiance, Light, Lights, Measure, PolygonLight, PolygonScratch, Sides,
+};
 pub use product::{Product, Square};
 pub use project::{
     Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,

@@ -1,10 +1,14 @@
 //! Light as coefficients.
 
+mod diffuse;
 mod irradiance;
+mod polygon;
 
 use nalgebra::Vector3;
 
+pub use diffuse::{DiffuseLight, DiffuseLightTable};
 pub use irradiance::Irradiance;
+pub use polygon::{PolygonLight, PolygonScratch, Sides};
 
 use super::zonal::CapFactors;
 use super::{Basis, Zonal};
@@ -79,7 +83,7 @@ pub enum Measure {
 
 /// Coefficients of [`Light`]s, built once for a number of bands.
 ///
-/// Shapes: bands² coefficients a channel; 1, 3 or any number of channels. Units: [coefficients] = radiance · sr; irradiance is the
+/// Shapes: bands² coefficients a channel; 1, 3 or any number of channels. Units: coefficients are radiance · sr; irradiance is the
 /// convolution with [`Zonal::clamped_cosine`], π included.
 /// Accuracy: that of the basis. Calls do not allocate.
 ///

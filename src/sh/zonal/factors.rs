@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use crate::numeric::LegendreSteps;
+
 /// 2π ∫_0^1 t^s P_l dt.
 ///
 ///   √π 2^{−s−1} Γ(s+1) / (Γ(1 + (s−l)/2) Γ((s+l+3)/2)): two degrees up, the first Γ loses and the second gains a factor.
@@ -21,14 +23,12 @@ pub(super) fn cosine_power(s: f64) -> impl Iterator<Item = f64> {
 /// subtracted.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::sh) struct CapFactors {
-    cos: f64,
+    steps: LegendreSteps<f64>,
+    l: f64,
     /// k_0, and k_0 of the complement.
     first: [f64; 2],
     /// 2π sin²θ, or what stands for it.
     scale: f64,
-    l: f64,
-    p: [f64; 2],
-    slope: [f64; 2],
 }
 
 impl CapFactors {
@@ -36,25 +36,29 @@ impl CapFactors {
     pub(in crate::sh) fn from_half_angle(half_angle: f64) -> Self {
         // clamp keeps NaN.
         let half_angle = half_angle.clamp(0.0, PI);
-        let (sin, cos) = half_angle.sin_cos();
+        let sin = half_angle.sin();
         let (half_sin, half_cos) = (0.5 * half_angle).sin_cos();
-        Self::new(cos, [half_sin, half_cos].map(|x| 4.0 * PI * x * x), sin * sin)
+        // 1 − cos and 1 + cos.
+        Self::new([half_sin, half_cos].map(|x| 2.0 * x * x), sin * sin)
     }
 
     /// From the sine of an angle in [0, π/2].
     pub(in crate::sh) fn from_sine(sin: f64) -> Self {
         let square = sin * sin;
         let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
-        Self::new(cos, [square / (1.0 + cos), 1.0 + cos].map(|x| 2.0 * PI * x), square)
+        Self::new([square / (1.0 + cos), 1.0 + cos], square)
     }
 
-    fn new(cos: f64, first: [f64; 2], sin_squared: f64) -> Self {
-        Self { cos, first, scale: 2.0 * PI * sin_squared, l: 0.0, p: [1.0, 0.0], slope: [0.0, 0.0] }
+    /// From 1 − cos θ, 1 + cos θ and sin²θ.
+    fn new([down, up]: [f64; 2], sin_squared: f64) -> Self {
+        let steps = LegendreSteps::from_defect(if down < up { down } else { up }, up < down);
+        Self { steps, l: 0.0, first: [2.0 * PI * down, 2.0 * PI * up], scale: 2.0 * PI * sin_squared }
     }
 
     /// The factors over π sin²θ, finite for no angle at all: those of the delta. θ ≤ π/2.
     pub(in crate::sh) fn per_facing_irradiance(self) -> Self {
-        Self { first: [2.0 / (1.0 + self.cos), 0.0], scale: 2.0, ..self }
+        // 2 (1 − cos)/sin² = 2/(1 + cos).
+        Self { first: [4.0 * PI / self.first[1], 0.0], scale: 2.0, ..self }
     }
 
     /// Those of 1 − cap.
@@ -69,10 +73,8 @@ impl Iterator for CapFactors {
     #[inline]
     fn next(&mut self) -> Option<f64> {
         let l = self.l;
-        let value = if l == 0.0 { self.first[0] } else { self.scale * self.slope[0] / (l * (l + 1.0)) };
-        self.slope = [self.slope[1] + (2.0 * l + 1.0) * self.p[0], self.slope[0]];
-        let up = self.cos * self.p[0];
-        self.p = [up + l / (l + 1.0) * (up - self.p[1]), self.p[0]];
+        let value = if l == 0.0 { self.first[0] } else { self.scale * self.steps.slope() / (l * (l + 1.0)) };
+        self.steps.advance();
         self.l = l + 1.0;
         Some(value)
     }

@@ -10,7 +10,7 @@ pub use von_mises_fisher::VonMisesFisher;
 
 use super::Basis;
 use crate::error::check_length;
-use crate::numeric::{GaussLegendre, legendre_all};
+use crate::numeric::{GaussLegendre, LegendreSteps, legendre_all};
 use crate::{Error, Real, Result};
 
 /// A function f(cos θ) of the angle to an axis, in `bands` numbers.
@@ -123,7 +123,7 @@ impl<T: Real> Zonal<T> {
     ///
     ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)     [Sun 2008, eqs. 2.21–2.23]
     ///
-    /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 2 eps a step of two degrees.
+    /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0.
@@ -138,12 +138,12 @@ impl<T: Real> Zonal<T> {
     ///   ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
     ///
     /// which is the ratio of Γ functions of the closed form [Gradshteyn & Ryzhik 7.126.1]. For integer s the zeros are exact.
-    /// Accuracy: relative, 2 eps a step. (Sun's 2.19 means this lobe: the max is missing in print.)
+    /// Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100. (Sun's 2.19 means this lobe: the max is missing in print.)
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0, or unless 0 ≤ `power` < ∞.
     pub fn cosine_power(bands: usize, power: f64) -> Result<Self> {
-        if !(power >= 0.0 && power < f64::INFINITY) {
+        if !(0.0..f64::INFINITY).contains(&power) {
             return Err(Error::OutOfRange { what: "power of a cosine", got: power, allowed: "in [0, ∞)" });
         }
         Self::take(bands, factors::cosine_power(power))
@@ -180,7 +180,9 @@ impl<T: Real> Zonal<T> {
         Self::take(bands, CapFactors::from_half_angle(half_angle).complement())
     }
 
-    /// A [`VonMisesFisher`] density, ∫ f = 1.
+    /// A [`VonMisesFisher`] density, ∫ f = 1: the factors A_l.
+    ///
+    /// Accuracy: relative, 6e-16 below 12 bands, 3e-15 below 100, for κ from 0 to ∞.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0.
@@ -225,14 +227,13 @@ impl<T: Real> Zonal<T> {
     ///
     ///   f(t) = Σ (2l+1)/4π k_l P_l(t)
     pub fn eval(&self, cosine: T) -> T {
-        let (t, quarter) = (cosine.widen(), 0.25 / std::f64::consts::PI);
-        let (mut sum, mut p, mut before) = (0.0, 1.0, 0.0);
+        let mut steps = LegendreSteps::new(cosine.widen());
+        let mut sum = 0.0;
         for (l, k) in self.factors.iter().enumerate() {
-            let l = l as f64;
-            sum += (2.0 * l + 1.0) * quarter * k.widen() * p;
-            let up = t * p;
-            (p, before) = (up + l / (l + 1.0) * (up - before), p);
+            sum += (2 * l + 1) as f64 * k.widen() * steps.value();
+            steps.advance();
         }
+        let sum = 0.25 / std::f64::consts::PI * sum;
         T::of(sum)
     }
 
