@@ -8,10 +8,12 @@ mod affine;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
+mod sh_visibility;
 mod sphere;
 
 pub use affine::{affine_map, dyadic_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
+pub use sh_visibility::{discs, sh_visibility};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
