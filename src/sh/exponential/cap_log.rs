@@ -21,7 +21,7 @@ pub enum CapFit {
         /// ε, as a share of the largest eigenvalue.
         floor: f64,
     },
-    /// exp point by point: the f with ∫ exp(f) y_l = g_l, which exists for every angle and clips nothing.
+    /// exp point by point: the f with ∫ exp(f) y_l = g_l, which exists for every angle and clips nothing. Up to a hemisphere.
     Grid,
 }
 
@@ -40,8 +40,8 @@ impl Default for CapFit {
 /// which is finite at θ = 0, in pieces that end where f has a kink: where the clipping of an eigenvalue sets in (1.13, 0.854, 0.571 for bands 3, 4, 6)
 /// and where another one follows.
 ///
-/// Accuracy: the table is within 2e-6 (1 − cos θ) of the logarithm. Cost: 16 multiplications a coefficient. Range: θ is taken as 0 if less
-/// and as [`LARGEST`](Self::LARGEST) if more, up to where f stays moderate; spheres seen from outside are below π/2.
+/// Accuracy: the table is within 2e-6 (1 − cos θ) of the logarithm ([`CapFit::Grid`]: 2e-5). Cost: 16 multiplications a coefficient. Range: θ is taken as 0 if less
+/// and as [`largest`](Self::largest) if more; spheres seen from outside are below π/2.
 ///
 /// # Example
 /// ```
@@ -61,13 +61,18 @@ pub struct CapLog<T> {
 }
 
 impl<T: Real> CapLog<T> {
-    /// The largest angle: with more only a hole of less than 37° about −z is left.
+    /// The largest angle of [`CapFit::Products`]: with more only a hole of less than 37° about −z is left.
     pub const LARGEST: f64 = 2.5;
+
+    /// The largest angle of the table: [`LARGEST`](Self::LARGEST), or π/2 for [`CapFit::Grid`].
+    pub fn largest(&self) -> f64 {
+        self.table.end()
+    }
 
     /// The table of `bands`; some milliseconds to some tenths of a second.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is not in 1…32 (1…12 for [`CapFit::Grid`]), or the floor is not above 0 and below 1.
+    /// [`Error::OutOfRange`] if `bands` is not in 1…32 (1…8 for [`CapFit::Grid`]), or the floor is not above 0 and below 1.
     pub fn new(bands: usize, fit: CapFit) -> Result<Self> {
         check_bands(bands)?;
         let over = |log: Vec<f64>, theta: f64| {
@@ -88,7 +93,7 @@ impl<T: Real> CapLog<T> {
             CapFit::Grid => {
                 let density = Density::new(bands)?;
                 let log = |theta| Ok(over(density.fit(&cap_less_one(bands, theta))?, theta));
-                Piecewise::fit(bands, &[0.0, Self::LARGEST], TOLERANCE, log)?
+                Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?
             }
         };
         Ok(Self { bands, table, error, scalar: PhantomData })
@@ -118,7 +123,7 @@ impl<T: Real> CapLog<T> {
         check_length("zonal coefficients", self.bands, out.len());
         let theta = theta.widen();
         let theta = if theta < 0.0 { 0.0 } else { theta };
-        let theta = if theta > Self::LARGEST { Self::LARGEST } else { theta };
+        let theta = if theta > self.table.end() { self.table.end() } else { theta };
         let half = (0.5 * theta).sin();
         let mut values = [0.0; 32];
         self.table.eval(theta, &mut values[..self.bands]);
@@ -130,6 +135,8 @@ impl<T: Real> CapLog<T> {
 
 /// How far f_l/(1 − cos θ) may be from its polynomial.
 const TOLERANCE: f64 = 1e-6;
+/// The same for fits: f is in the dozens where hardly anything depends on it, and is known the less.
+const GRID_TOLERANCE: f64 = 1e-5;
 
 /// Positive densities exp(Σ f_l y_{l,0}) with given moments.
 struct Density {
@@ -140,11 +147,11 @@ struct Density {
 
 impl Density {
     fn new(bands: usize) -> Result<Self> {
-        const MOST: usize = 12;
+        const MOST: usize = 8;
         if bands > MOST {
-            return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed: "1 to 12 for a fit on a grid" });
+            return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed: "1 to 8 for a fit on a grid" });
         }
-        let (basis, gauss) = (Basis::<f64>::new(bands)?, GaussLegendre::new(16 * bands.max(4))?);
+        let (basis, gauss) = (Basis::<f64>::new(bands)?, GaussLegendre::new(64)?);
         let mut all = vec![0.0; bands * bands];
         let node = |(&z, &weight): (&f64, &f64)| {
             basis.eval(&Vector3::new((1.0 - z * z).sqrt(), 0.0, z), &mut all);

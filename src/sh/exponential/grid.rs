@@ -27,7 +27,7 @@ const MOST_ORDERS: usize = 63;
 ///
 /// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Cost: counted, for rings R of A points about R (2·bands² + A·bands) multiplications, and
 /// R·A calls of h: the sums are separate in z and azimuth, and folded by the symmetries ±x, ±y, ±z of the grid.
-/// NaN: where h or f gives NaN at a point, all results are NaN.
+/// NaN or infinity anywhere in f, or NaN of h at a point, gives NaN everywhere.
 ///
 /// # Example
 /// ```
@@ -141,15 +141,14 @@ impl<T: Real> GridFunction<T> {
     }
 
     fn sized<const L: usize>(&self, count: usize, f: &[T], function: &impl Pointwise<T>, out: &mut [T]) {
-        macro_rules! bands {
-            ($($most:literal)*) => {
-                match self.bands {
-                    $(0..=$most => self.arch.dispatch(Job::<T, _, L, { $most * $most }> { grid: self, count, f, function, out }),)*
-                    _ => self.arch.dispatch(Job::<T, _, L, 1024> { grid: self, count, f, function, out }),
-                }
-            };
+        let mut run = |buffers: &mut [[T; L]]| {
+            self.arch.dispatch(Job { grid: self, count, f, function, out: &mut *out, buffers });
+        };
+        // Of two sizes, so that small ones need not clear the most.
+        match self.bands {
+            0..=6 => run(&mut [[T::zero(); L]; 72]),
+            _ => run(&mut [[T::zero(); L]; 2048]),
         }
-        bands!(4 6 8 16)
     }
 }
 
@@ -176,42 +175,51 @@ impl<T: Real> Pointwise<T> for Exp {
     }
 }
 
-/// A batch in blocks of L vectors of at most N coefficients.
-struct Job<'a, T, H, const L: usize, const N: usize> {
+/// A batch in blocks of L vectors.
+struct Job<'a, T, H, const L: usize> {
     grid: &'a GridFunction<T>,
     count: usize,
     f: &'a [T],
     function: &'a H,
     out: &'a mut [T],
+    /// A block of coefficients of f, one of the results.
+    buffers: &'a mut [[T; L]],
 }
 
-impl<T: Real, H: Pointwise<T>, const L: usize, const N: usize> WithSimd for Job<'_, T, H, L, N> {
+impl<T: Real, H: Pointwise<T>, const L: usize> WithSimd for Job<'_, T, H, L> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { grid, count, f, function, out } = self;
+        let Self { grid, count, f, function, out, buffers } = self;
         let size = grid.bands * grid.bands;
-        let (mut input, mut output) = ([[T::zero(); L]; N], [[T::zero(); L]; N]);
+        let (input, output) = buffers[..2 * size].split_at_mut(size);
         let (mut values, mut rings) = ([[T::zero(); L]; MOST_AROUND], [[[T::zero(); L]; MOST_ORDERS]; 2]);
         for first in (0..count).step_by(L) {
             let width = L.min(count - first);
-            for (to, from) in input[..size].iter_mut().zip(f.chunks_exact(count)) {
+            for (to, from) in input.iter_mut().zip(f.chunks_exact(count)) {
                 to[..width].copy_from_slice(&from[first..first + width]);
             }
-            output[..size].fill([T::zero(); L]);
+            // 0, or NaN for the lanes that have NaN or infinity: of infinity h may make anything.
+            let mut start = [T::zero(); L];
+            for row in &*input {
+                for i in 0..L {
+                    start[i] += row[i] * T::zero();
+                }
+            }
+            output.fill(start);
             let per_ring = grid.bands * (grid.bands + 1) / 2;
             for (legendre, &weight) in grid.legendre.chunks_exact(per_ring).zip(&grid.weights) {
-                to_rings(grid.bands, legendre, &input, &mut rings);
+                to_rings(grid.bands, legendre, input, &mut rings);
                 for ring in &mut rings {
                     let values = &mut values[..grid.around];
                     to_points(grid, ring, values);
                     function.map(values);
                     from_points(grid, values, weight, ring);
                 }
-                from_rings(grid.bands, legendre, &rings, &mut output);
+                from_rings(grid.bands, legendre, &rings, output);
             }
-            for (from, to) in output[..size].iter().zip(out.chunks_exact_mut(count)) {
+            for (from, to) in output.iter().zip(out.chunks_exact_mut(count)) {
                 to[first..first + width].copy_from_slice(&from[..width]);
             }
         }
@@ -220,10 +228,10 @@ impl<T: Real, H: Pointwise<T>, const L: usize, const N: usize> WithSimd for Job<
 
 /// Σ_l f_{l,±m} P_l^m on the rings at z and −z, by P(−z) = (−1)^{l−m} P(z). Order m is at bands − 1 + m.
 #[inline(always)]
-fn to_rings<T: Real, const L: usize, const N: usize>(
+fn to_rings<T: Real, const L: usize>(
     bands: usize,
     legendre: &[T],
-    f: &[[T; L]; N],
+    f: &[[T; L]],
     rings: &mut [[[T; L]; MOST_ORDERS]; 2],
 ) {
     let mut next = 0;
@@ -250,11 +258,11 @@ fn to_rings<T: Real, const L: usize, const N: usize>(
 
 /// The inverse step: adds Σ_rings P_l^m times the orders to the coefficients.
 #[inline(always)]
-fn from_rings<T: Real, const L: usize, const N: usize>(
+fn from_rings<T: Real, const L: usize>(
     bands: usize,
     legendre: &[T],
     rings: &[[[T; L]; MOST_ORDERS]; 2],
-    out: &mut [[T; L]; N],
+    out: &mut [[T; L]],
 ) {
     let mut next = 0;
     for m in 0..bands {

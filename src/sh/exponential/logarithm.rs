@@ -36,7 +36,8 @@ impl Default for LogMethod {
 ///
 ///   log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
 ///
-/// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back. The largest eigenvalue is that of all of M_g.
+/// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back to some 1e-5 (M of log g is not log of M_g but for the
+/// first column). The largest eigenvalue is that of all of M_g.
 ///
 /// Shapes: g, out: bands², index l(l+1)+m. Accuracy: 1e-11 of golden values in f64. Cost: about 10 bands⁶ operations and allocations: for
 /// precomputation. A vector about the z axis is cheap by [`apply_zonal`](Self::apply_zonal); discs are tabulated by [`CapLog`](super::CapLog).

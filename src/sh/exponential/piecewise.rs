@@ -29,14 +29,14 @@ impl Piecewise {
     }
 
     /// Tabulates `f`, which is smooth between the `breaks`: halves a piece until every function is met within `tolerance` at
-    /// twice as many points, or the piece is shorter than 1e-6 of the whole. Also returns the largest difference seen.
+    /// twice as many points, or the piece is shorter than 1e-5 of the whole. Also returns the largest difference seen.
     pub(super) fn fit(
         functions: usize,
         breaks: &[f64],
         tolerance: f64,
         mut f: impl FnMut(f64) -> Result<Vec<f64>>,
     ) -> Result<(Self, f64)> {
-        let shortest = 1e-6 * (breaks[breaks.len() - 1] - breaks[0]);
+        let shortest = 1e-5 * (breaks[breaks.len() - 1] - breaks[0]);
         let (mut done, mut terms, mut worst) = (vec![breaks[0]], Vec::new(), 0.0f64);
         let mut waiting: Vec<[f64; 2]> = breaks.windows(2).rev().map(|ends| [ends[0], ends[1]]).collect();
         while let Some([low, high]) = waiting.pop() {
