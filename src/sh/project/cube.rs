@@ -198,7 +198,8 @@ impl FacePose {
 #[derive(Debug, Clone)]
 struct CubeAxes {
     bands: usize,
-    /// Nodes on a texel, [−1, 1], and weights that sum to 1.
+    rule: TexelRule,
+    /// Nodes across a texel, [−1, 1], and weights that sum to 1.
     nodes: Vec<(f64, f64)>,
     /// cos mβ, sin mβ for each row pair, node and m.
     longitudes: Vec<[f64; 2]>,
@@ -209,46 +210,41 @@ struct CubeAxes {
 impl CubeAxes {
     fn new<T: Real>(grid: CubeGrid, bands: usize, rule: TexelRule) -> Result<Self> {
         check_bands(bands)?;
-        let width = 1.0 / grid.side() as f64;
-        let nodes = rule.nodes(bands, width, tolerance::<T>())?;
-        let mut longitudes = Vec::new();
+        // Across a row α depends on β with a slope below ½: 1.5 bands waves.
+        let nodes = rule.nodes(1.5 * bands as f64, 1.0 / grid.side() as f64, tolerance::<T>())?;
+        let (meridians, turn) = (Meridians::new(bands)?, AxesTurn::new(bands)?);
+        let mut axes = Self { bands, rule, nodes, longitudes: Vec::new(), meridians, turn };
         for row in 0..grid.side().div_ceil(2) {
-            for &(node, _) in &nodes {
-                let beta = (node * width - grid.centre(row)).atan();
-                longitudes.extend((0..bands).map(|m| {
+            for (beta, _) in axes.row_nodes(grid, row) {
+                axes.longitudes.extend((0..bands).map(|m| {
                     let (sin, cos) = (m as f64 * beta).sin_cos();
                     [cos, sin]
                 }));
             }
         }
-        Ok(Self { bands, nodes, longitudes, meridians: Meridians::new(bands)?, turn: AxesTurn::new(bands) })
+        Ok(axes)
     }
 
     /// {cos, sin} kα for the columns on the + side: times solid angles to gather, averaged to spread.
     fn table<T: Real>(&self, use_for: Use, grid: CubeGrid) -> RowTable<T> {
         let (side, count) = (grid.side(), self.nodes.len());
         let half = side.div_ceil(2);
-        let width = 1.0 / side as f64;
+        // A row or column that is its own mirror is summed twice.
+        let own = |i: usize| if 2 * i + 1 == side && use_for == Use::Gather { 0.5 } else { 1.0 };
         RowTable::new(use_for, [self.bands, half, half * count], |slot, column, entry| {
             let row = slot / count;
-            // A row or column that is its own mirror is summed twice.
-            let own = |i: usize| if 2 * i + 1 == side { 0.5 } else { 1.0 };
-            let weight = match use_for {
-                Use::Gather => own(row) * own(column) * grid.solid_angle(column, row),
-                Use::Spread => 1.0,
+            let nodes = self.row_nodes(grid, row).into_iter();
+            let arcs: Vec<_> = nodes.map(|(beta, weight)| (weight, self.arc(grid, column, beta))).collect();
+            let whole = match (use_for, self.rule) {
+                (Use::Gather, TexelRule::Mean) => 1.0,
+                (Use::Gather, TexelRule::Centre) => arcs[0].1.solid_angle() / grid.solid_angle(column, row),
+                (Use::Spread, _) => arcs.iter().map(|(weight, arc)| weight * arc.solid_angle()).sum(),
             };
-            // Densities of solid angle, normalised over the texel so that its whole is exact.
-            let at_u = |node: f64| node * width - grid.centre(column);
-            let at_v = |node: f64| node * width - grid.centre(row);
-            let total = self.mean(|b| self.mean(|a| density(at_u(a), at_v(b))));
-            let (node_v, weight_v) = self.nodes[slot % count];
-            let v = at_v(node_v);
-            for &(node_u, weight_u) in &self.nodes {
-                let u = at_u(node_u);
-                let weight = weight * weight_u * weight_v * density(u, v) / total;
-                let across = (1.0 + v * v).sqrt();
-                let r = across.hypot(u);
-                let (cos, sin) = (across / r, u / r);
+            let (weight, arc) = arcs[slot % count];
+            for &(node, node_weight) in &self.nodes {
+                let (sin, cos) = (arc.centre + node * arc.half).sin_cos();
+                let density = if self.rule == TexelRule::Centre { arc.solid_angle() } else { 2.0 * arc.half * cos };
+                let weight = own(row) * own(column) * weight * node_weight * density / whole;
                 let (mut c, mut s) = (1.0, 0.0);
                 for entry in entry.iter_mut() {
                     entry[0] += weight * c;
@@ -259,9 +255,26 @@ impl CubeAxes {
         })
     }
 
-    /// The mean over a texel's nodes in one direction.
-    fn mean(&self, f: impl Fn(f64) -> f64) -> f64 {
-        self.nodes.iter().map(|&(node, weight)| weight * f(node)).sum()
+    /// The meridians β of a row of the + side, and their weights: one through the centres, or Gauss nodes in β.
+    fn row_nodes(&self, grid: CubeGrid, row: usize) -> Vec<(f64, f64)> {
+        let [near, far] = [row + 1, row].map(|i| (-grid.line(i)).atan());
+        let (centre, half) = match self.rule {
+            TexelRule::Centre => ((-grid.centre(row)).atan(), 0.0),
+            TexelRule::Mean => (0.5 * (near + far), 0.5 * (far - near)),
+        };
+        let width = if self.rule == TexelRule::Centre { 1.0 } else { 2.0 * half };
+        self.nodes.iter().map(|&(node, weight)| (centre + node * half, width * weight)).collect()
+    }
+
+    /// The part of a meridian in a column of the + side: tan α = u cos β.
+    fn arc(&self, grid: CubeGrid, column: usize, beta: f64) -> Arc {
+        let latitude = |u: f64| (u * beta.cos()).atan();
+        let [near, far] = [column + 1, column].map(|i| latitude(-grid.line(i)));
+        let centre = match self.rule {
+            TexelRule::Centre => latitude(-grid.centre(column)),
+            TexelRule::Mean => 0.5 * (near + far),
+        };
+        Arc { centre, half: 0.5 * (far - near) }
     }
 
     /// Coefficients from the moments of all rows.
@@ -376,9 +389,18 @@ impl CubeAxes {
     }
 }
 
-/// Solid angle over area at the point (u, v) of the plane at distance 1.
-fn density(u: f64, v: f64) -> f64 {
-    (1.0 + u * u + v * v).powf(-1.5)
+/// A piece of a meridian.
+#[derive(Debug, Clone, Copy)]
+struct Arc {
+    centre: f64,
+    half: f64,
+}
+
+impl Arc {
+    /// ∫ cos α dα, the solid angle for each unit of β.
+    fn solid_angle(self) -> f64 {
+        2.0 * self.centre.cos() * self.half.sin()
+    }
 }
 
 /// Swaps the parity of the column for that of m: cosines (class 0) of k go with m ≡ k, sines with m ≢ k. Its own inverse.

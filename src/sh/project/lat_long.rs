@@ -184,7 +184,7 @@ impl Parallels {
     fn new<T: Real>(grid: LatLongGrid, bands: usize, rule: TexelRule) -> Result<Self> {
         check_bands(bands)?;
         let half_width = 0.5 * PI / grid.height() as f64;
-        let nodes = rule.nodes(bands, half_width, tolerance::<T>())?;
+        let nodes = rule.nodes(bands as f64, half_width, tolerance::<T>())?;
         let basis = Basis::<f64>::new(bands)?;
         let mut y = vec![0.0; bands * bands];
         let mut values = Vec::new();
@@ -200,7 +200,7 @@ impl Parallels {
             }
             values.extend((0..bands).flat_map(|m| (m..bands).map(move |l| l * (l + 1) + m)).map(|i| means[i]));
         }
-        Ok(Self { bands, values, turn: AxesTurn::new(bands) })
+        Ok(Self { bands, values, turn: AxesTurn::new(bands)? })
     }
 
     /// The solid angle of a pixel; a row that is its own mirror is summed twice.
