@@ -86,7 +86,8 @@ impl<T: Real> CubeProjection<T> {
         let (side, nodes) = (self.grid.side(), self.axes.nodes.len());
         let slot = nodes * C * class(2, 0, padded(self.axes.bands));
         let mut moments = vec![0.0; 6 * side.div_ceil(2) * slot];
-        for_each_slot(&mut moments, slot, |i, out| {
+        let operations = nodes * C * side * self.axes.bands;
+        for_each_slot(&mut moments, slot, operations, |i, out| {
             let (pair, face) = (i / 6, i % 6);
             let row = |y: usize| &texels[(face * side + y) * side..][..side];
             self.table.gather([row(pair), row(side - 1 - pair)], pair * nodes, out);
@@ -142,21 +143,32 @@ impl<T: Real> CubeReconstruction<T> {
     /// If an expansion is not bands² long.
     #[track_caller]
     pub fn reconstruct<P: Channels<C, Scalar = T>, const C: usize>(&self, coefficients: [&[T]; C]) -> CubeMap<P> {
+        let mut texels = vec![P::zero(); self.grid.len()];
+        self.fill(coefficients, &mut texels);
+        CubeMap::new(self.grid, texels).expect("one value a texel")
+    }
+
+    /// [`reconstruct`](Self::reconstruct) into texels that are there, such as [`CubeMap::texels_mut`]: fresh memory for a large map
+    /// can take longer than its values.
+    ///
+    /// # Panics
+    /// If an expansion is not bands² long or there is not one texel for each of the grid's.
+    #[track_caller]
+    pub fn fill<P: Channels<C, Scalar = T>, const C: usize>(&self, coefficients: [&[T]; C], texels: &mut [P]) {
+        check_length("texels", self.grid.len(), texels.len());
         for c in coefficients {
             check_length("coefficients", self.axes.bands * self.axes.bands, c.len());
         }
         let (side, nodes) = (self.grid.side(), self.axes.nodes.len());
         let slot = nodes * C * class(2, 0, padded(self.axes.bands));
         let series = self.axes.series(coefficients);
-        let mut texels = vec![P::zero(); self.grid.len()];
         let mut pairs: Vec<_> = texels.chunks_exact_mut(side * side).flat_map(|f| mirrored_pairs(f, side)).collect();
         let half = side.div_ceil(2);
-        for_each_slot(&mut pairs, 1, |i, pair| {
+        for_each_slot(&mut pairs, 1, nodes * C * side * (self.axes.bands + 4), |i, pair| {
             let (face, row) = (i / half, i % half);
             let [top, bottom] = &mut pair[0];
             self.table.spread([top, bottom], row * nodes, &series[(row * 6 + face) * slot..][..slot]);
         });
-        CubeMap::new(self.grid, texels).expect("one value a texel")
     }
 }
 
@@ -282,7 +294,8 @@ impl CubeAxes {
         let functions = padded(self.bands);
         let waves_len = 2 * self.bands * functions;
         let mut waves = vec![0.0; 6 * C * waves_len];
-        for_each_slot(&mut waves, waves_len, |i, waves| self.face_waves(moments, [i / C, i % C, C], waves));
+        let operations = self.longitudes.len() * functions;
+        for_each_slot(&mut waves, waves_len, operations, |i, waves| self.face_waves(moments, [i / C, i % C, C], waves));
         std::array::from_fn(|channel| {
             let mut frames = [vec![0.0; waves_len], vec![0.0; waves_len]];
             for (face, pose) in Face::ALL.into_iter().map(FacePose::new).enumerate() {
@@ -321,7 +334,7 @@ impl CubeAxes {
         let slot = class(2, 0, functions);
         let rows = self.longitudes.len() / self.bands / self.nodes.len();
         let mut series = vec![T::zero(); rows * 6 * self.nodes.len() * C * slot];
-        for_each_slot(&mut series, slot, |i, series| {
+        for_each_slot(&mut series, slot, 2 * self.bands * functions, |i, series| {
             let (channel, node, face, row) =
                 (i % C, i / C % self.nodes.len(), i / C / self.nodes.len() % 6, i / C / self.nodes.len() / 6);
             let waves = &waves[(face * C + channel) * waves_len..][..waves_len];

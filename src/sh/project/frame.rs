@@ -7,39 +7,38 @@ use nalgebra::Vector3;
 use crate::Result;
 use crate::sh::Basis;
 
-/// y_{l,m} of `bands` at samples of a whole meridian, m ≥ 0.
+/// y_{l,m} of `bands` at samples of a quarter of a meridian, m ≥ 0.
 struct Samples {
-    bands: usize,
+    /// Samples of the quarter.
+    count: usize,
+    /// A row for each coefficient.
     y: Vec<f64>,
-    /// (sin, cos) of πt/samples.
+    /// (sin, cos) of πt/4count.
     waves: Vec<[f64; 2]>,
 }
 
 impl Samples {
-    /// α_j = 2π(j + ½)/count: none is at a pole, since count is a multiple of 4.
+    /// α_j = 2π(j + ½)/4count: none is at a pole.
     fn new(bands: usize) -> Result<Self> {
         let basis = Basis::<f64>::new(bands)?;
-        let count = (2 * bands + 2).next_multiple_of(4);
-        let waves: Vec<[f64; 2]> = (0..2 * count).map(|t| (PI * t as f64 / count as f64).sin_cos().into()).collect();
+        let count = (2 * bands + 2).div_ceil(4);
+        let waves: Vec<[f64; 2]> =
+            (0..8 * count).map(|t| (0.25 * PI * t as f64 / count as f64).sin_cos().into()).collect();
+        let component = |k: usize| (0..count).map(|j| waves[2 * j + 1][k]).collect::<Vec<f64>>();
         let mut y = vec![0.0; count * bands * bands];
-        for (j, y) in y.chunks_exact_mut(bands * bands).enumerate() {
-            let [sin, cos] = waves[2 * j + 1];
-            basis.eval(&Vector3::new(cos, 0.0, sin), y);
-        }
-        Ok(Self { bands, y, waves })
+        basis.eval_rows(&component(1), &vec![0.0; count], &component(0), &mut y);
+        Ok(Self { count, y, waves })
     }
 
-    /// The coefficient of cos kα (l − m even) or sin kα (l − m odd) in y_{l,m}, or in y_{l,m}/cos α.
+    /// The coefficient of cos kα (l − m even) or sin kα (l − m odd) in y_{l,m}, or in y_{l,m}/cos α. What is summed has period π and is
+    /// even, so that a quarter stands for the whole.
     fn coefficient(&self, [l, m, k]: [usize; 3], over_cosine: bool) -> f64 {
-        let (size, period) = (self.bands * self.bands, self.waves.len());
-        let sum: f64 = (0..period / 2)
-            .map(|j| {
-                let y = self.y[j * size + l * (l + 1) + m];
-                let wave = self.waves[(2 * j + 1) * k % period][1 - (l - m) % 2];
-                if over_cosine { y * wave / self.waves[2 * j + 1][1] } else { y * wave }
-            })
-            .sum();
-        sum * if k == 0 { 1.0 } else { 2.0 } / (period / 2) as f64
+        let row = &self.y[(l * (l + 1) + m) * self.count..][..self.count];
+        let terms = row.iter().enumerate().map(|(j, y)| {
+            let wave = self.waves[(2 * j + 1) * k % self.waves.len()][1 - (l - m) % 2];
+            if over_cosine { y * wave / self.waves[2 * j + 1][1] } else { y * wave }
+        });
+        terms.sum::<f64>() * if k == 0 { 1.0 } else { 2.0 } / self.count as f64
     }
 }
 
