@@ -548,7 +548,6 @@ fn fits_against_singular_values() {
         let want = naive::least_squares(bands, &samples, lambda);
         let fit = ScatteredFit::new(bands, &directions, Some(&weights), lambda).unwrap();
         let [got, twice] = fit.fit([&values, &values.iter().map(|v| 2.0 * v).collect::<Vec<_>>()]);
-        println!("{bands} {lambda}: condition {:e}, error {:e}", fit.condition(), worst(&got, &want));
         assert_below(worst(&got, &want), 1e-14 * fit.condition(), &format!("{bands} bands, λ {lambda}"));
         assert_eq!(twice, got.iter().map(|c| 2.0 * c).collect::<Vec<_>>());
         let [single] = fit.fit([&narrow::<f32>(&values)]);
@@ -645,17 +644,14 @@ fn monte_carlo_states_its_error() {
             count += 1.0;
         }
         let typical = (estimate.errors[0].iter().map(|e| e * e).sum::<f64>() / 36.0).sqrt();
-        println!("typical error {typical:e}");
         // Random directions: √(4π ∫ f² y²)/√n is about √π/40 = 0.044.
         assert!((0.008..0.012).contains(&typical));
     }
     let many = monte_carlo(6, 25600, 1, |d| [f64::from(u8::from(d.dot(&axis) > 0.5))]).unwrap();
     let typical = (many.errors[0].iter().map(|e| e * e).sum::<f64>() / 36.0).sqrt();
     // 16^{3/4} = 8 times less than 0.01, where random directions gain 4.
-    println!("16 times the samples: {typical:e}");
     assert!((0.8e-3..1.8e-3).contains(&typical));
     let spread: f64 = squares / count / (15.0 / 13.0);
-    println!("variance ratio {spread}, outside {}", outside / count);
     assert!((0.7..1.4).contains(&spread), "variance over that of Student's t: {spread}");
     assert!((0.02..0.09).contains(&(outside / count)), "outside the 95 % interval: {}", outside / count);
 }

@@ -23,7 +23,8 @@ use crate::{Real, Result};
 /// A NaN texel makes every coefficient of its channel NaN, an infinite one makes them infinite or NaN
 /// ([`CubeMap::first_not_finite`] finds it).
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: the sum, for texels in [0, 1], to 3e-15 in `f64` and 6e-8 in `f32`, whatever the size, up to 64 bands. The sum against
+/// the integral of what the map was sampled from: see the table in docs/sh.md; both rules err by the square of the texel's size.
 /// Cost: bands multiplications a texel and channel ([`Basis::accumulate`](crate::sh::Basis::accumulate): bands²), texels that
 /// mirror each other sharing theirs, and 4·bands² a row. Memory: side²·bands/2 scalars times the rule's nodes. Parallel over
 /// rows, the same bits for any number of threads.
@@ -102,7 +103,8 @@ impl<T: Real> CubeProjection<T> {
 ///
 /// It is the transpose of projection: Σ_t Ω_t f_t g_t = Σ c_i d_i for the map f of c and the projection d of any map g.
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: tested to 7e-14 in `f64` and 2e-6 in `f32` for coefficients of 1/(l + 1), up to 17 bands. Projection of the map gives
+/// the coefficients back to 8e-5 (3 bands) and 1.4e-4 (6 bands) at side 64 by centres, to 3e-4 and 1.5e-3 by means; four times less at twice the side.
 /// Cost: bands multiplications a texel and channel ([`Basis::reconstruct`](crate::sh::Basis::reconstruct): bands²). Parallel over
 /// rows, the same bits for any number of threads.
 ///

@@ -22,7 +22,7 @@ use crate::{Real, Result};
 ///
 /// Shapes and NaN: as [`CubeProjection`](super::CubeProjection).
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: as [`CubeProjection`](super::CubeProjection); tested to 3e-13 in `f64`, 1.4e-5 in `f32`, up to 17 bands.
 /// Cost: bands multiplications a pixel and channel ([`Basis::accumulate`]: bands²), pixels that mirror each other sharing theirs,
 /// and bands² a row. Memory: height·bands²/4 numbers. Parallel over rows, the same bits for any number of threads.
 ///
@@ -103,7 +103,7 @@ impl<T: Real> LatLongProjection<T> {
 /// Latitude–longitude maps of one grid from coefficients of `bands`: the inverse plan of [`LatLongProjection`], and its transpose
 /// in the sense of [`CubeReconstruction`](super::CubeReconstruction).
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: as [`CubeReconstruction`](super::CubeReconstruction); back to 5e-5 (3 bands) and 1e-4 (6 bands) at 256 × 128 by centres.
 /// Cost: bands multiplications a pixel and channel, bands² a row. Parallel over rows, the same bits for any number of threads.
 #[derive(Debug, Clone)]
 pub struct LatLongReconstruction<T> {
