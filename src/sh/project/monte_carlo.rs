@@ -57,7 +57,8 @@ pub fn monte_carlo<const C: usize>(
     }
     let lattice = fibonacci_directions(samples.div_ceil(ESTIMATES));
     let mut estimates: Vec<[Vec<f64>; C]> = vec![std::array::from_fn(|_| Vec::new()); ESTIMATES];
-    for_each_slot(&mut estimates, 1, |i, estimate| {
+    // What f costs is not known: in parallel.
+    for_each_slot(&mut estimates, 1, usize::MAX, |i, estimate| {
         let turn = random_rotation(seed, i as u64);
         let directions: Vec<_> = lattice.iter().map(|d| UnitVector3::new_normalize(turn * d.into_inner())).collect();
         let weight = 4.0 * PI / lattice.len() as f64;

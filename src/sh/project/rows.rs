@@ -227,22 +227,25 @@ impl<T: Real, P: Channels<C, Scalar = T>, const C: usize> Spread<'_, P, T, C> {
             }
             for i in 0..L.min(half - block * L) {
                 let x = block * L + i;
-                let at = |row: T, column: T| {
-                    P::from_channels(std::array::from_fn(|c| {
-                        let [ee, eo, oe, oo] = [0, 1, 2, 3].map(|class| sums[c][class][i]);
-                        (ee + column * eo) + row * (oe + column * oo)
-                    }))
-                };
-                let one = T::one();
+                // The texels (row, column) of sides −−, −+, +−, ++.
+                let mut texels = [[T::zero(); C]; 4];
+                for c in 0..C {
+                    let [[ee, eo], [oe, oo]] = [[sums[c][0][i], sums[c][1][i]], [sums[c][2][i], sums[c][3][i]]];
+                    let (even_l, even_r, odd_l, odd_r) = (ee - eo, ee + eo, oe - oo, oe + oo);
+                    texels[0][c] = even_l - odd_l;
+                    texels[1][c] = even_r - odd_r;
+                    texels[2][c] = even_l + odd_l;
+                    texels[3][c] = even_r + odd_r;
+                }
                 // Where rows or columns are their own mirrors, the + side is written last.
-                if bottom.is_empty() {
-                    top[x] = at(one, -one);
-                    top[width - 1 - x] = at(one, one);
+                if !bottom.is_empty() {
+                    top[x] = P::from_channels(texels[0]);
+                    top[width - 1 - x] = P::from_channels(texels[1]);
+                    bottom[x] = P::from_channels(texels[2]);
+                    bottom[width - 1 - x] = P::from_channels(texels[3]);
                 } else {
-                    top[x] = at(-one, -one);
-                    top[width - 1 - x] = at(-one, one);
-                    bottom[x] = at(one, -one);
-                    bottom[width - 1 - x] = at(one, one);
+                    top[x] = P::from_channels(texels[2]);
+                    top[width - 1 - x] = P::from_channels(texels[3]);
                 }
             }
         }
@@ -277,14 +280,25 @@ fn add_series<T: Real, const L: usize, const C: usize>(
     *sums = local;
 }
 
-/// Runs `f(index, slot)` over slots of `stride` elements, in parallel; they do not depend on each other.
-pub(super) fn for_each_slot<T: Send>(out: &mut [T], stride: usize, f: impl Fn(usize, &mut [T]) + Sync) {
+/// Runs `f(index, slot)` over slots of `stride` elements, which do not depend on each other; in parallel if each takes `operations` so
+/// many that waking threads pays.
+pub(super) fn for_each_slot<T: Send>(
+    out: &mut [T],
+    stride: usize,
+    operations: usize,
+    f: impl Fn(usize, &mut [T]) + Sync,
+) {
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
-        out.par_chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
+        /// About a tenth of a millisecond of multiplications and additions, in vectors.
+        const WORTH: usize = 1 << 20;
+        if (out.len() / stride).saturating_mul(operations) > WORTH {
+            out.par_chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
+            return;
+        }
     }
-    #[cfg(not(feature = "rayon"))]
+    let _ = operations;
     out.chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
 }
 

@@ -26,16 +26,17 @@ pub(super) fn check_bands(bands: usize) -> Result<()> {
 }
 
 impl TexelRule {
-    /// Nodes on [−1, 1] and weights that sum to 1, for a texel of this half-width (of its angle, or of the tangent plane) and
-    /// harmonics of `bands`: one node, or as many as make the mean exact to `tolerance`.
+    /// Nodes on [−1, 1] and weights that sum to 1, for a texel of this half width in radians and functions of so many waves around
+    /// the sphere: one node, or as many as make the mean exact to `tolerance`.
     ///
-    /// Gauss–Legendre with q nodes errs by (κh)^{2q} 2^{2q} q!⁴/((2q+1) (2q)!³) relative to e^{iκx}, κ = bands + 3, and by ρ^{−2q} for
-    /// the solid angle's density (1 + u² + v²)^{−3/2}, singular at distance 1 from the real line: ρ = 1/h + √(1 + 1/h²).
-    pub(super) fn nodes(self, bands: usize, half_width: f64, tolerance: f64) -> Result<Vec<(f64, f64)>> {
+    /// Gauss–Legendre with q nodes errs by (κh)^{2q} 2^{2q} q!⁴/((2q+1) (2q)!³) on e^{iκx}, κ = waves + 3. The edges of a cube's
+    /// texels are singular functions of their longitude, at distance 1 or more from real ones: another ρ^{−2q},
+    /// ρ = 1/h + √(1 + 1/h²).
+    pub(super) fn nodes(self, waves: f64, half_width: f64, tolerance: f64) -> Result<Vec<(f64, f64)>> {
         if self == Self::Centre {
             return Ok(vec![(0.0, 1.0)]);
         }
-        let phase = (bands as f64 + 3.0) * half_width;
+        let phase = (waves + 3.0) * half_width;
         let rho = 1.0 / half_width + (1.0 + half_width.powi(-2)).sqrt();
         let (mut count, mut wave) = (1, phase * phase / 6.0);
         let mut density = rho.powi(-2);
