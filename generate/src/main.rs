@@ -3,6 +3,10 @@
 //! `cargo run --release -p haarmonic-generate [-- --check]` from anywhere in the workspace.
 
 mod output;
+mod product;
+mod quadrature;
+mod tensor;
+mod text;
 
 use std::process::ExitCode;
 
@@ -14,7 +18,7 @@ fn main() -> ExitCode {
         Some("--check") => true,
         Some(other) => return fail(&format!("{other}: the only argument is --check")),
     };
-    let outputs: Vec<Output> = Vec::new();
+    let outputs: Vec<Output> = product::outputs();
     for output in outputs {
         let done = if check { output.check() } else { output.write() };
         if let Err(message) = done {
