@@ -283,7 +283,7 @@ fn channels_are_alone_and_nan_shows() {
     let plan = CubeProjection::new(grid, 4, TexelRule::Centre).unwrap();
     let rgb = plan.project(&map);
     for (c, plane) in rgb.iter().zip(map.planes()) {
-        assert_eq!(plan.project(&plane), [c.clone()]);
+        assert_eq!(plan.project(&plane)[0], *c);
     }
     assert_eq!(project_cube(&map, 4).unwrap(), rgb);
     for bad in [f32::NAN, f32::INFINITY] {
