@@ -1,6 +1,5 @@
 //! What is lit, by what, and how it reflects.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use haarmonic::io;

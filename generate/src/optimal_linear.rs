@@ -28,7 +28,7 @@ pub fn table() -> Output {
         text += "    ]),\n";
     }
     text += "];\n";
-    Output { path: "src/sh/exponential/optimal_linear_table.rs", text }
+    Output { path: "src/sh/exponential/optimal_linear_table.rs".to_owned(), text }
 }
 
 /// Eight numbers a line. Ten decimal places are far below the tables' accuracy, and above what machines differ by.

@@ -134,7 +134,7 @@ impl<T: Real> Exponential<T> {
         check_length("exponential", self.bands * self.bands, out.len());
         match &self.form {
             Form::Series(series) => series.apply(f, out),
-            Form::Scaled(scaled) => on_stack(self.bands, |buffers| scaled.run(1, f, out, buffers, &mut [])),
+            Form::Scaled(scaled) => on_stack(self.bands, |buffers| scaled.run(1, f, out, buffers)),
             Form::Grid(grid) => on_grid(grid, 1, f, out),
             Form::Linear(linear) => self.linear(linear, 1, f, out),
             Form::Eigen(product, fallback) => self.eigen(product, fallback, 1, f, out),
@@ -267,29 +267,26 @@ impl<T: Real> Scaled<T> {
     }
 
     fn scratch_len(&self) -> usize {
-        (BUFFERS + 2) * self.bands * self.bands * lanes::<T>() + self.multiplier.scratch_len()
+        (BUFFERS + 2) * self.bands * self.bands * lanes::<T>()
     }
 
     fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;
-        in_blocks(size, count, f, out, scratch, |width, f, out, buffers| {
-            let (buffers, scratch) = buffers.split_at_mut(BUFFERS * size * lanes::<T>());
-            self.run(width, f, out, buffers, scratch);
-        });
+        in_blocks(size, count, f, out, scratch, |width, f, out, buffers| self.run(width, f, out, buffers));
     }
 
     /// A vector or block.
-    fn run(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T], scratch: &mut [T]) {
+    fn run(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T]) {
         let mut reductions = [Reduction::default(); MOST];
         let reductions = &mut reductions[..count];
         self.reduce(f, reductions);
         let (small, rest) = buffers.split_at_mut(f.len());
         shrink(f, reductions, small);
         match &self.seed {
-            Seed::Series(series) => series.run(count, small, out, rest, scratch),
+            Seed::Series(series) => series.run(count, small, out, rest),
             Seed::Linear(linear) => seed_linear(linear, reductions, small, out),
         }
-        self.square_up(reductions, out, &mut rest[..f.len()], scratch);
+        self.square_up(reductions, out, &mut rest[..f.len()]);
         for row in out.chunks_exact_mut(count) {
             row.iter_mut().zip(&*reductions).for_each(|(out, r)| *out *= T::of(r.factor));
         }
@@ -339,11 +336,11 @@ impl<T: Real> Scaled<T> {
     }
 
     /// Squares each vector as often as it is due.
-    fn square_up(&self, reductions: &[Reduction], out: &mut [T], other: &mut [T], scratch: &mut [T]) {
+    fn square_up(&self, reductions: &[Reduction], out: &mut [T], other: &mut [T]) {
         let count = reductions.len();
         let most = reductions.iter().map(|r| r.squarings).max().unwrap_or(0);
         for done in 0..most {
-            self.multiplier.square(count, out, other, scratch);
+            self.multiplier.square(count, out, other);
             for (out, other) in out.chunks_exact_mut(count).zip(other.chunks_exact(count)) {
                 for ((out, &other), r) in out.iter_mut().zip(other).zip(reductions) {
                     *out = if r.squarings > done { other } else { *out };
@@ -366,7 +363,7 @@ impl<T: Real> Scaled<T> {
         let (small, rest) = buffers.split_at_mut(f.len());
         shrink(f, one, small);
         match &self.seed {
-            Seed::Series(series) => series.run(1, small, out, rest, &mut []),
+            Seed::Series(series) => series.run(1, small, out, rest),
             Seed::Linear(linear) => seed_linear(linear, one, small, out),
         }
         let mut log_scale = 0.0;
@@ -379,7 +376,7 @@ impl<T: Real> Scaled<T> {
         };
         normalise(out, &mut log_scale);
         for _ in 0..squarings {
-            self.multiplier.square(1, out, small, &mut []);
+            self.multiplier.square(1, out, small);
             out.copy_from_slice(small);
             log_scale *= 2.0;
             normalise(out, &mut log_scale);

@@ -22,23 +22,12 @@ impl<T: Real> Multiplier<T> {
         Ok(Self { product: Product::new(bands, bands, bands)?, square: Square::new(bands, bands)? })
     }
 
-    /// Numbers of scratch that the calls below want for a block.
-    pub(super) fn scratch_len(&self) -> usize {
-        self.product.scratch_len().max(self.square.scratch_len())
+    pub(super) fn multiply(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
+        self.product.batch(count, a, b, out);
     }
 
-    pub(super) fn multiply(&self, count: usize, a: &[T], b: &[T], out: &mut [T], scratch: &mut [T]) {
-        match count {
-            1 => self.product.apply(a, b, out),
-            _ => self.product.batch(count, a, b, out, scratch),
-        }
-    }
-
-    pub(super) fn square(&self, count: usize, a: &[T], out: &mut [T], scratch: &mut [T]) {
-        match count {
-            1 => self.square.apply(a, out),
-            _ => self.square.batch(count, a, out, scratch),
-        }
+    pub(super) fn square(&self, count: usize, a: &[T], out: &mut [T]) {
+        self.square.batch(count, a, out);
     }
 }
 
@@ -151,12 +140,12 @@ impl<T: Real> ProductSeries<T> {
     pub fn apply(&self, f: &[T], out: &mut [T]) {
         check_length("expansion", self.bands * self.bands, f.len());
         check_length("function of it", self.bands * self.bands, out.len());
-        on_stack(self.bands, |buffers| self.run(1, f, out, buffers, &mut []));
+        on_stack(self.bands, |buffers| self.run(1, f, out, buffers));
     }
 
     /// How much scratch [`batch`](Self::batch) wants, at least, whatever the number of vectors.
     pub fn scratch_len(&self) -> usize {
-        (Self::BUFFERS + 2) * self.bands * self.bands * lanes::<T>() + self.multiplier.scratch_len()
+        (Self::BUFFERS + 2) * self.bands * self.bands * lanes::<T>()
     }
 
     /// `count` expansions at once, coefficient-major: coefficient i of vector v is at i·`count` + v. The same bits as
@@ -170,18 +159,15 @@ impl<T: Real> ProductSeries<T> {
         check_length("expansions", size * count, f.len());
         check_length("functions of them", size * count, out.len());
         check_scratch(self.scratch_len(), scratch.len());
-        in_blocks(size, count, f, out, scratch, |width, f, out, buffers| {
-            let (buffers, scratch) = buffers.split_at_mut(Self::BUFFERS * size * lanes::<T>());
-            self.run(width, f, out, buffers, scratch);
-        });
+        in_blocks(size, count, f, out, scratch, |width, f, out, buffers| self.run(width, f, out, buffers));
     }
 
     /// The series of a vector or block: `buffers` holds [`BUFFERS`](Self::BUFFERS) of its size.
-    pub(super) fn run(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T], scratch: &mut [T]) {
+    pub(super) fn run(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T]) {
         match self.powers {
             _ if self.degree() < 2 => self.linear(count, f, out),
-            Powers::LeftToRight => self.left_to_right(count, f, out, buffers, scratch),
-            Powers::EvenOdd => self.even_odd(count, f, out, buffers, scratch),
+            Powers::LeftToRight => self.left_to_right(count, f, out, buffers),
+            Powers::EvenOdd => self.even_odd(count, f, out, buffers),
         }
     }
 
@@ -192,19 +178,19 @@ impl<T: Real> ProductSeries<T> {
     }
 
     /// Horner's rule: ((h_p f + h_{p−1} 1) * f + h_{p−2} 1) * f…; with M_f 1 = f that is Σ h_k M_f^k 1.
-    fn left_to_right(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T], scratch: &mut [T]) {
+    fn left_to_right(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T]) {
         let last = self.degree();
         let sum = &mut buffers[..f.len()];
         out.iter_mut().zip(f).for_each(|(out, &f)| *out = self.coefficients[last] * f);
         add_constant(&mut out[..count], self.coefficients[last - 1]);
         for &h in self.coefficients[..last - 1].iter().rev() {
             sum.copy_from_slice(out);
-            self.multiplier.multiply(count, sum, f, out, scratch);
+            self.multiplier.multiply(count, sum, f, out);
             add_constant(&mut out[..count], h);
         }
     }
 
-    fn even_odd(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T], scratch: &mut [T]) {
+    fn even_odd(&self, count: usize, f: &[T], out: &mut [T], buffers: &mut [T]) {
         let (degree, size) = (self.degree(), f.len());
         let (odd, powers) = buffers.split_at_mut(size);
         // powers[k − 1] is f^{2k}.
@@ -213,9 +199,9 @@ impl<T: Real> ProductSeries<T> {
             let power = &mut rest[..size];
             let lower = |j: usize| &lower[(j - 1) * size..][..size];
             match k {
-                1 => self.multiplier.square(count, f, power, scratch),
-                _ if k % 2 == 0 => self.multiplier.square(count, lower(k / 2), power, scratch),
-                _ => self.multiplier.multiply(count, lower(k - 1), lower(1), power, scratch),
+                1 => self.multiplier.square(count, f, power),
+                _ if k % 2 == 0 => self.multiplier.square(count, lower(k / 2), power),
+                _ => self.multiplier.multiply(count, lower(k - 1), lower(1), power),
             }
         }
         if degree == 2 {
@@ -224,7 +210,7 @@ impl<T: Real> ProductSeries<T> {
             let terms = (degree - 1) / 2;
             self.sum_powers(terms, 1, powers, odd);
             add_constant(&mut odd[..count], self.coefficients[1]);
-            self.multiplier.multiply(count, odd, f, out, scratch);
+            self.multiplier.multiply(count, odd, f, out);
         }
         let even = odd;
         self.sum_powers(degree / 2, 0, powers, even);
