@@ -30,6 +30,8 @@ const GROUP: usize = 16;
 pub(super) struct Nodes<T> {
     /// Of a, b and the product.
     bands: [usize; 3],
+    /// b is a.
+    square: bool,
     /// The most of them, for which the constants are.
     most: usize,
     pairs: usize,
@@ -44,7 +46,7 @@ pub(super) struct Nodes<T> {
 }
 
 impl<T: Real> Nodes<T> {
-    fn new(bands: [usize; 3]) -> Result<Self> {
+    fn new(bands: [usize; 3], square: bool) -> Result<Self> {
         let bands = met(bands)?;
         let most = bands.into_iter().max().unwrap_or(1);
         if most > MOST_BANDS {
@@ -54,15 +56,8 @@ impl<T: Real> Nodes<T> {
         let rule = Rule::gauss(bands.iter().sum::<usize>() - 3)?;
         let (pairs, constants) = (rule.pairs.len(), most * (most + 1));
         let groups = pairs.div_ceil(GROUP);
-        let mut nodes = Self {
-            bands,
-            most,
-            pairs,
-            constants,
-            orders: vec![1; groups],
-            by_pair: Vec::new(),
-            by_constant: Vec::new(),
-        };
+        let (orders, by_pair, by_constant) = (vec![1; groups], Vec::new(), Vec::new());
+        let mut nodes = Self { bands, square, most, pairs, constants, orders, by_pair, by_constant };
         let tiny = 1e-3 * T::epsilon().widen();
         for (k, &[z, weight]) in rule.pairs.iter().enumerate() {
             let values = normalized_legendre(most, z);
@@ -91,25 +86,21 @@ impl<T: Real> Nodes<T> {
 
     /// Multiplications of a product, those in vain in unused lanes not counted.
     fn multiplications(&self) -> usize {
-        let count = |group: usize| {
-            let orders = self.orders[group];
-            let sums: usize = self
-                .bands
-                .iter()
-                .map(|&n| (0..orders.min(n)).map(|m| (n - m) * if m == 0 { 1 } else { 2 }).sum::<usize>())
-                .sum();
-            let [a, b, out] = self.bands.map(|n| n.min(orders));
-            let convolution: usize = (0..out)
-                .map(|m| {
-                    let below = if m == 0 { 0 } else { (m.min(a)).saturating_sub(1.max((m + 1).saturating_sub(b))) };
-                    let above =
-                        b.min(a.saturating_sub(m)).saturating_sub(1) + a.min(b.saturating_sub(m)).saturating_sub(1);
-                    if m == 0 { 1 + above } else { 4 + 4 * (below + above) }
-                })
-                .sum();
-            sums + 2 * convolution
-        };
-        (0..self.pairs).map(|k| count(k / GROUP)).sum()
+        (0..self.pairs).map(|k| self.multiplications_of_pair(self.orders[k / GROUP])).sum()
+    }
+
+    fn multiplications_of_pair(&self, orders: usize) -> usize {
+        let [a, b, out] = self.bands.map(|n| n.min(orders));
+        let sums = |n: usize| (0..orders.min(n)).map(|m| (n - m) * if m == 0 { 1 } else { 2 }).sum::<usize>();
+        let evaluated = if self.square { 0 } else { sums(self.bands[1]) };
+        let convolution = (1..out).map(|m| {
+            let constant = 2 * (usize::from(m < a) + usize::from(m < b));
+            let below = m.min(a).saturating_sub(1.max((m + 1).saturating_sub(b)));
+            let [above, other] = [[a, b], [b, a]].map(|[x, y]| y.min(x.saturating_sub(m)).saturating_sub(1));
+            constant + 4 * (below + above + if self.square { 0 } else { other })
+        });
+        let whole = 2 * a.min(b) - 1 + convolution.sum::<usize>();
+        sums(self.bands[0]) + evaluated + sums(self.bands[2]) + 2 * whole
     }
 }
 
@@ -151,6 +142,7 @@ fn convolve<P: Site, const ROWS: usize>(
     p: &P,
     [a, b, out]: [usize; 3],
     [[ac, a_s], [bc, bs]]: [&[[P::Row; ROWS]; 2]; 2],
+    square: bool,
     [hc, hs]: &mut [[P::Row; ROWS]; 2],
 ) {
     let zero = p.literal(0.0);
@@ -197,7 +189,12 @@ fn convolve<P: Site, const ROWS: usize>(
         }
         with = with + (cc + ss);
         sine = sine + (sc - cs);
-        // ᾱ_m β_{M+m}
+        // ᾱ_m β_{M+m}, the same again in a square
+        if square {
+            hc[order] = with + (cc + ss);
+            hs[order] = sine + (sc - cs);
+            continue;
+        }
         let end = a.min(b.saturating_sub(order)).max(1);
         let (mut cc, mut ss, mut cs, mut sc) = (zero, zero, zero, zero);
         let upper = bc[order..][1..end].iter().zip(&bs[order..][1..end]);
@@ -380,9 +377,13 @@ fn pair<T: Element, P: Site, const ROWS: usize>(
 ) {
     let [bands_a, bands_b, bands_out] = nodes.bands;
     evaluate::<P, ROWS, false>(&p, (bands_a, nodes.most), orders, a);
-    evaluate::<P, ROWS, true>(&p, (bands_b, nodes.most), orders, b);
+    if !nodes.square {
+        evaluate::<P, ROWS, true>(&p, (bands_b, nodes.most), orders, b);
+    }
+    let b = if nodes.square { &*a } else { &*b };
     for side in 0..2 {
-        convolve(&p, nodes.bands.map(|n| n.min(orders)), [&a[side], &b[side]], &mut h[side]);
+        let bands = nodes.bands.map(|n| n.min(orders));
+        convolve(&p, bands, [&a[side], &b[side]], nodes.square, &mut h[side]);
     }
     project(&mut p, bands_out, nodes.most, orders, h);
 }
@@ -401,8 +402,8 @@ pub(super) struct Grid<T> {
 }
 
 impl<T: Real> Grid<T> {
-    pub fn new(bands: [usize; 3]) -> Result<Self> {
-        let nodes = Nodes::new(bands)?;
+    pub fn new(bands: [usize; 3], square: bool) -> Result<Self> {
+        let nodes = Nodes::new(bands, square)?;
         let run = choose(nodes.most);
         Ok(Self { nodes, run })
     }

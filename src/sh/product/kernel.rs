@@ -256,6 +256,20 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
     #[inline(always)]
     fn few<S: Simd>(&mut self, simd: S) {
         let count = self.count;
+        if Self::BY_TENSOR {
+            let (simd, a, b) = (pulp::Scalar::new(), self.a, self.b);
+            if count == 1
+                && let ([Some(a), Some(b)], Some(out)) =
+                    ([a, b].map(|x| x.first_chunk::<N>()), self.out.first_chunk_mut::<N>())
+            {
+                // Known lengths need no checks.
+                return pair::<K, _, SQUARE>(&mut Columns { simd, count: 1, first: 0, a, b, out });
+            }
+            for first in 0..count {
+                pair::<K, _, SQUARE>(&mut Columns { simd, count, first, a, b, out: self.out });
+            }
+            return;
+        }
         for v in 0..count {
             let (mut a, mut b, mut out) = ([T::zero(); N], [T::zero(); N], [T::zero(); N]);
             for i in 0..N {
@@ -269,13 +283,10 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
         }
     }
 
-    /// One vector: scalars by the tensor, nodes in lanes by quadrature, added up in the order of the nodes.
+    /// One vector by quadrature: nodes in lanes, added up in the order of the nodes.
     #[inline(always)]
     fn single<S: Simd>(simd: S, constants: &Constants<T>, a: &[T; N], b: &[T; N], out: &mut [T; N]) {
         let scalar = pulp::Scalar::new();
-        if Self::BY_TENSOR {
-            return pair::<K, _, SQUARE>(&mut Columns { simd: scalar, count: 1, first: 0, a, b, out });
-        }
         let mut parts = [[T::zero(); MOST_PAIRS]; N];
         let (rows, pairs) = (constants.rows.as_chunks().0, constants.pairs.len() / C);
         for first in (0..pairs).step_by(T::lanes::<S>()) {

@@ -56,7 +56,7 @@ impl<T: Real> Form<T> {
             return Ok(Self::Straight(kernel));
         }
         if bands_that_meet(bands)? > MOST_SPARSE {
-            return Ok(Self::Grid(Grid::new(bands)?));
+            return Ok(Self::Grid(Grid::new(bands, square)?));
         }
         let fold = |i: usize, j: usize| match i.cmp(&j) {
             std::cmp::Ordering::Less => 2.0,
