@@ -15,6 +15,9 @@
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
 //! | three | ∫ f g h | [`Product::integral`] |
+//! | logarithms of visibility, added up | the visibility: exp | [`Exponential`], whose page says by which method |
+//! | visibility | its logarithm | [`Logarithm`]; of a disc by its angle, tabulated, [`CapLog`] |
+//! | one, and any function h | h of it | [`GridFunction`]; by products [`ProductSeries`], [`ProductSpectrum`] |
 //! | curiosity | ∫ y_i y_j y_k, all that are not zero | [`gamma`], [`TripleTensor`] |
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
