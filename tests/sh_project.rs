@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{
-    CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, LatLongProjection, LatLongReconstruction,
-    ScatteredFit, TexelRule, Window, degree_order, eval, index, monte_carlo, project_cube, project_fn,
-    project_fn_channels, project_lat_long,
+    CubeProjection, CubeReconstruction, DeringBy, DeringWindow, Deringing, Extrema, LatLongProjection,
+    LatLongReconstruction, ScatteredFit, TexelRule, Window, Zonal, degree_order, eval, index, monte_carlo, project_cube,
+    project_fn, project_fn_channels, project_lat_long,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, SphereQuadrature, fibonacci_directions};
 use haarmonic::strategies;
@@ -451,25 +451,56 @@ proptest! {
         prop_assert!((naive::reconstruct(&c, &least.direction) - least.value).abs() <= rounding);
     }
 
-    #[test]
-    fn deringed_expansions_touch_the_bound(seed in 0..1_000_000usize, bands in 2..7usize, level in -0.5..0.9f64) {
+    fn deringed_expansions_touch_the_bound(
+        seed in 0..1_000_000usize,
+        bands in 2..7usize,
+        level in -0.5..0.9f64,
+        family in prop_oneof![Just(DeringWindow::Curvature), Just(DeringWindow::Gaussian)],
+    ) {
         let c: Vec<f64> = (0..bands * bands).map(|i| if i == 0 { 3.5 } else { noise(seed + 31 * i) - 0.6 }).collect();
-        let (extrema, plan) = (Extrema::new(bands).unwrap(), Deringing::new(bands).unwrap());
-        let lambda = plan.lambda(&c, level).unwrap();
-        let least = |lambda: f64| {
+        let (extrema, plan) = (Extrema::new(bands).unwrap(), Deringing::new(bands).unwrap().with_window(family));
+        let strength = strength(plan.window(&c, level).unwrap());
+        let least = |strength: f64| {
             let mut c = c.clone();
-            Window::Curvature { lambda }.apply(&mut c);
+            match family {
+                DeringWindow::Curvature => Window::Curvature { lambda: strength }.apply(&mut c),
+                DeringWindow::Gaussian => Window::Gaussian { deviation: strength.sqrt() }.apply(&mut c),
+            }
             extrema.minimum(&c).unwrap().value
         };
-        prop_assert!(least(lambda) >= level);
-        if lambda > 0.0 {
+        prop_assert!(least(strength) >= level - 1e-14);
+        if strength > 0.0 {
             // The smallest: a little less is too little, and what is left over is of that size.
-            prop_assert!(least(lambda * (1.0 - 3e-6)) < level);
-            prop_assert!(least(lambda * 2.0) >= level);
+            prop_assert!(least(strength * (1.0 - 3e-6)) < level);
+            prop_assert!(least(strength * 2.0) >= level);
         } else {
             prop_assert!(least(0.0) >= level);
         }
     }
+}
+
+/// λ or σ².
+fn strength(window: Window) -> f64 {
+    match window {
+        Window::Curvature { lambda } => lambda,
+        Window::Gaussian { deviation } => deviation * deviation,
+        other => panic!("{other:?} is no window of deringing"),
+    }
+}
+
+/// Over a bright cap on black the curvature window needs as much blur at 17 bands as at 5, the Gaussian ever less.
+#[test]
+fn the_flow_of_heat_blurs_less_with_more_bands() {
+    let blur = |bands: usize, family: DeringWindow| {
+        let mut lamp = vec![0.0; bands * bands];
+        let cap = Zonal::<f64>::cap(bands, 0.5).unwrap();
+        (0..bands).for_each(|l| lamp[index(l, 0)] = cap.coefficients()[l]);
+        strength(Deringing::new(bands).unwrap().with_window(family).window(&lamp, 0.0).unwrap())
+    };
+    let [curved, curved_more] = [5, 17].map(|bands| blur(bands, DeringWindow::Curvature));
+    let [heat, heat_more] = [5, 17].map(|bands| blur(bands, DeringWindow::Gaussian));
+    println!("{curved:e} {curved_more:e} {heat:e} {heat_more:e}");
+    assert!(curved_more > 0.9 * curved && heat_more < 0.2 * heat);
 }
 
 /// Extrema along circles, where nearly all cells of a ring survive; constants; zero; sizes that overflow.
@@ -491,14 +522,14 @@ fn degenerate_extrema() {
         let least = Extrema::new(4).unwrap().minimum(&constant).unwrap();
         let value = c / (4.0 * PI).sqrt();
         assert!((least.value - value).abs() < 1e-15 && least.bound <= least.value && least.bound > value - 1e-12);
-        assert_eq!(Deringing::new(4).unwrap().lambda(&constant, value - 1e-9).unwrap(), 0.0);
+        assert_eq!(strength(Deringing::new(4).unwrap().window(&constant, value - 1e-9).unwrap()), 0.0);
     }
     let huge = Extrema::new(3).unwrap().minimum(&[1e308f64; 9]);
     assert!(matches!(huge, Err(Error::NotFinite { .. })) || huge.unwrap().value.is_finite());
     for bad in [f64::NAN, f64::INFINITY] {
         let result = Extrema::new(2).unwrap().minimum(&[1.0, bad, 0.0, 0.0]);
         assert_eq!(result.unwrap_err(), Error::NotFinite { what: "coefficient", index: 1 });
-        assert!(Deringing::new(2).unwrap().lambda(&[1.0, bad, 0.0, 0.0], 0.0).is_err());
+        assert!(Deringing::new(2).unwrap().window(&[1.0, bad, 0.0, 0.0], 0.0).is_err());
     }
 }
 
@@ -511,14 +542,15 @@ fn deringing_by_channels() {
         c
     };
     let make = || [lamp([1.0, 0.2, 0.3], 0.0), lamp([-0.3, 0.9, 0.1], 0.4), lamp([0.0, 0.1, -1.0], 9.0)];
-    let alone = make().map(|c| plan.lambda(&c, 0.0).unwrap());
+    let windows = make().map(|c| plan.window(&c, 0.0).unwrap());
+    let alone = windows.map(strength);
     assert!(alone[0] > alone[1] && alone[1] > 0.0 && alone[2] == 0.0);
     let [mut r, mut g, mut b] = make();
-    assert_eq!(plan.apply([&mut r, &mut g, &mut b], 0.0, DeringBy::EachChannel).unwrap(), alone);
+    assert_eq!(plan.apply([&mut r, &mut g, &mut b], 0.0, DeringBy::EachChannel).unwrap(), windows);
     assert_eq!(b, make()[2]);
     let [mut r, mut g, mut b] = make();
-    let lambdas = plan.apply([&mut r, &mut g, &mut b], 0.0, DeringBy::AllChannels).unwrap();
-    assert_eq!(lambdas, [alone[0]; 3]);
+    let shared = plan.apply([&mut r, &mut g, &mut b], 0.0, DeringBy::AllChannels).unwrap();
+    assert_eq!(shared, [windows[0]; 3]);
     for (c, before) in [&r, &g, &b].into_iter().zip(make()) {
         assert!(Extrema::new(5).unwrap().minimum(c).unwrap().value >= 0.0);
         let ratio = c[index(4, 0)] / before[index(4, 0)];

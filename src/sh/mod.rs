@@ -67,9 +67,9 @@ pub use light::{
 };
 pub use product::{Product, Square};
 pub use project::{
-    Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,
-    LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube, project_fn,
-    project_fn_channels, project_lat_long,
+    Channels, CubeProjection, CubeReconstruction, DeringBy, DeringWindow, Deringing, Extrema, Extremum,
+    LatLongProjection, LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube,
+    project_fn, project_fn_channels, project_lat_long,
 };
 pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
 pub use zonal::{VonMisesFisher, Zonal};

@@ -1,4 +1,4 @@
-//! The mildest curvature window that keeps an expansion above a bound.
+//! The mildest window of a family that keeps an expansion above a bound.
 
 use super::{Extrema, Window};
 use crate::sh::coefficient_count;
@@ -15,15 +15,47 @@ pub enum DeringBy<const C: usize> {
     Luminance([f64; C]),
 }
 
-/// Removes ringing: the window 1/(1 + λ l²(l+1)²) with the smallest λ that keeps the expansion's minimum at a bound.
+/// The family from which the window is taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum DeringWindow {
+    /// [`Window::Curvature`], the usual choice [Sloan 2008, 2017]: the mildest for lights that ring a little. Its own kernel is
+    /// negative in places, so a bright light over black needs much of it, however many the bands.
+    #[default]
+    Curvature,
+    /// [`Window::Gaussian`]: the flow of heat, whose kernel is positive, so only the cut at `bands` rings. For bright lights over
+    /// black it needs the less blur the more bands there are.
+    Gaussian,
+}
+
+impl DeringWindow {
+    /// The member of this strength: λ, or σ².
+    fn window(self, strength: f64) -> Window {
+        match self {
+            Self::Curvature => Window::Curvature { lambda: strength },
+            Self::Gaussian => Window::Gaussian { deviation: strength.sqrt() },
+        }
+    }
+
+    /// k with w_l ≤ k/strength.
+    fn fall(self, l: usize) -> f64 {
+        let x = (l * (l + 1)) as f64;
+        match self {
+            Self::Curvature => 1.0 / (x * x),
+            // e^{−y} ≤ 1/(e y), y = σ² x/2.
+            Self::Gaussian => 2.0 / (std::f64::consts::E * x),
+        }
+    }
+}
+
+/// Removes ringing by the mildest window of a family that keeps the expansion's minimum at a bound.
 ///
 /// A bright light in few bands rings: its expansion is negative in places, and so is the irradiance made of it. [Sloan 2008, 2017]
-/// fades the high bands just as far as needed; here the minimum is the certified one of [`Extrema`], and λ comes from bisection
-/// with secants between a λ that fails and one that suffices by the bound |Σ_m c y| ≤ ‖c_l‖ √((2l+1)/4π) in every degree.
+/// fades the high bands just as far as needed; here the minimum is the certified one of [`Extrema`], and the strength comes from
+/// bisection with secants between one that fails and one that suffices by the bound |Σ_m c y| ≤ ‖c_l‖ √((2l+1)/4π) in every degree.
 ///
-/// Accuracy: λ to 1e-6 of itself, from above: the minimum found is not below the bound, and none on the sphere is by more than
-/// 1e-6 of half the range. λ is taken from the largest interval of sufficient ones, within factors of 4; no expansion is
-/// known where a smaller λ suffices again.
+/// Accuracy: λ (or σ²) to 1e-6 of itself, from above: the minimum found is not below the bound, and none on the sphere is by more
+/// than 1e-6 of half the range. Heat flow lifts the minimum steadily, so σ is the smallest there is; λ is taken from the largest
+/// interval of sufficient ones, within factors of 4; no expansion is known where a smaller λ suffices again.
 /// Cost: about fifteen calls of [`Extrema::minimum`].
 ///
 /// # Example
@@ -39,6 +71,7 @@ pub enum DeringBy<const C: usize> {
 #[derive(Debug, Clone)]
 pub struct Deringing {
     extrema: Extrema,
+    family: DeringWindow,
 }
 
 impl Deringing {
@@ -47,10 +80,16 @@ impl Deringing {
     /// # Errors
     /// As [`Extrema::new`].
     pub fn new(bands: usize) -> Result<Self> {
-        Ok(Self { extrema: Extrema::new(bands)? })
+        Ok(Self { extrema: Extrema::new(bands)?, family: DeringWindow::default() })
     }
 
-    /// The λ of [`Window::Curvature`] that brings the minimum of an expansion up to `bound`; 0 if it is not below.
+    /// This plan with windows of `family`.
+    pub fn with_window(mut self, family: DeringWindow) -> Self {
+        self.family = family;
+        self
+    }
+
+    /// The window that brings the minimum of an expansion up to `bound`; of strength 0 if it is not below.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if the expansion is below `bound` somewhere and `bound` is not below its mean c_0/√4π, which no window
@@ -59,12 +98,17 @@ impl Deringing {
     /// # Panics
     /// If `coefficients.len()` is not bands².
     #[track_caller]
-    pub fn lambda<T: Real>(&self, coefficients: &[T], bound: f64) -> Result<f64> {
+    pub fn window<T: Real>(&self, coefficients: &[T], bound: f64) -> Result<Window> {
+        Ok(self.family.window(self.strength(coefficients, bound)?))
+    }
+
+    #[track_caller]
+    fn strength<T: Real>(&self, coefficients: &[T], bound: f64) -> Result<f64> {
         let c: Vec<f64> = coefficients.iter().map(|c| c.widen()).collect();
         let mut windowed = c.clone();
-        let mut excess = |lambda: f64| {
+        let mut excess = |strength: f64| {
             windowed.copy_from_slice(&c);
-            Window::Curvature { lambda }.apply(&mut windowed);
+            self.family.window(strength).apply(&mut windowed);
             Ok::<f64, Error>(self.extrema.minimum(&windowed)?.value - bound)
         };
         let mut below = excess(0.0)?;
@@ -75,7 +119,7 @@ impl Deringing {
         if !(room > 0.0) {
             return Err(Error::OutOfRange { what: "bound of deringing", got: bound, allowed: "below the mean" });
         }
-        let mut high = sufficient(&c) / room;
+        let mut high = sufficient(&c, self.family) / room;
         let mut above = excess(high)?;
         let mut low = 0.0;
         while high > 0.0 {
@@ -89,10 +133,10 @@ impl Deringing {
         bracketed([low, high], [below, above], excess)
     }
 
-    /// Windows the channels in place; returns the λ of each.
+    /// Windows the channels in place; returns the window of each.
     ///
     /// # Errors
-    /// As [`lambda`](Self::lambda); the channels are then as they were.
+    /// As [`window`](Self::window); the channels are then as they were.
     ///
     /// # Panics
     /// If a channel's length is not bands².
@@ -102,12 +146,12 @@ impl Deringing {
         channels: [&mut [T]; C],
         bound: f64,
         by: DeringBy<C>,
-    ) -> Result<[f64; C]> {
-        let mut lambdas = [0.0; C];
+    ) -> Result<[Window; C]> {
+        let mut strengths = [0.0; C];
         match by {
             DeringBy::EachChannel | DeringBy::AllChannels => {
-                for (lambda, channel) in lambdas.iter_mut().zip(&channels) {
-                    *lambda = self.lambda(channel, bound)?;
+                for (strength, channel) in strengths.iter_mut().zip(&channels) {
+                    *strength = self.strength(channel, bound)?;
                 }
             }
             DeringBy::Luminance(weights) => {
@@ -116,27 +160,27 @@ impl Deringing {
                     crate::error::check_length("coefficients", sum.len(), channel.len());
                     sum.iter_mut().zip(channel.iter()).for_each(|(sum, c)| *sum += weight * c.widen());
                 }
-                lambdas = [self.lambda(&sum, bound)?; C];
+                strengths = [self.strength(&sum, bound)?; C];
             }
         }
         if by == DeringBy::AllChannels {
-            lambdas = [lambdas.iter().copied().fold(0.0, f64::max); C];
+            strengths = [strengths.iter().copied().fold(0.0, f64::max); C];
         }
-        for (channel, &lambda) in channels.into_iter().zip(&lambdas) {
-            Window::Curvature { lambda }.apply(channel);
+        let windows = strengths.map(|strength| self.family.window(strength));
+        for (channel, window) in channels.into_iter().zip(&windows) {
+            window.apply(channel);
         }
-        Ok(lambdas)
+        Ok(windows)
     }
 }
 
-/// λ·(mean − bound) that certainly suffices: Σ_l w_l ‖c_l‖ √((2l+1)/4π) with w_l < 1/(λ l²(l+1)²).
-fn sufficient(c: &[f64]) -> f64 {
+/// strength·(mean − bound) that certainly suffices: Σ_l w_l ‖c_l‖ √((2l+1)/4π) with w_l ≤ fall/strength.
+fn sufficient(c: &[f64], family: DeringWindow) -> f64 {
     let bands = c.len().isqrt();
     (1..bands)
         .map(|l| {
             let norm = c[l * l..(l + 1) * (l + 1)].iter().fold(0.0f64, |norm, c| norm.hypot(*c));
-            let degree = l as f64;
-            norm * ((2.0 * degree + 1.0) / (4.0 * std::f64::consts::PI)).sqrt() / (degree * (degree + 1.0)).powi(2)
+            norm * ((2.0 * l as f64 + 1.0) / (4.0 * std::f64::consts::PI)).sqrt() * family.fall(l)
         })
         .sum()
 }

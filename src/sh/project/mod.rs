@@ -15,7 +15,7 @@ mod window;
 
 pub use channels::Channels;
 pub use cube::{CubeProjection, CubeReconstruction, project_cube};
-pub use dering::{DeringBy, Deringing};
+pub use dering::{DeringBy, DeringWindow, Deringing};
 pub use extrema::{Extrema, Extremum};
 pub use function::{project_fn, project_fn_channels};
 pub use lat_long::{LatLongProjection, LatLongReconstruction, project_lat_long};

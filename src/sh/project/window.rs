@@ -13,7 +13,7 @@ use crate::sh::bands_of;
 /// |---|---|---|
 /// | `Hanning` | (1 + cos πl/h)/2, 0 from l = h | strong; h = bands ends just beyond the last band |
 /// | `Lanczos` | sin(πl/h)/(πl/h), 0 from l = h | mild |
-/// | `Gaussian` | e^{−σ² l(l+1)/2}, blur by σ radians: heat flow for time σ²/2 | never makes a non-negative *function* negative, but the cut at `bands` stays |
+/// | `Gaussian` | e^{−σ² l(l+1)/2}, blur by σ radians: heat flow for time σ²/2 | never makes a non-negative *function* negative, but the cut at `bands` stays; [`Deringing`](super::Deringing) finds σ |
 /// | `Curvature` | 1/(1 + λ l²(l+1)²) | least Σ (c − c′)² + λ∫(Δf)² [Sloan 2008]; [`Deringing`](super::Deringing) finds λ |
 ///
 /// # Example
