@@ -320,6 +320,9 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
 /// A kernel for `T`, chosen by its number of bands.
 type Run<T> = fn(&Constants<T>, Arch, usize, [&[T]; 2], &mut [T]);
 
+/// The function and its multiplications, of a pair of nodes and of the poles.
+type Found<T> = Option<(Run<T>, [usize; 2])>;
+
 fn run<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool>(
     constants: &Constants<T>,
     arch: Arch,
@@ -365,9 +368,9 @@ impl<T: Real> Kernel<T> {
     }
 }
 
-/// The function and its multiplications, of a pair of nodes and of the poles. Compiled here for `f32` and `f64` once.
-fn choose<T: Real>(bands: usize, square: bool) -> Option<(Run<T>, [usize; 2])> {
-    fn typed<T: Element>(bands: usize, square: bool) -> Option<(Run<T>, [usize; 2])> {
+/// Compiled here for `f32` and `f64` once.
+fn choose<T: Real>(bands: usize, square: bool) -> Found<T> {
+    fn typed<T: Element>(bands: usize, square: bool) -> Found<T> {
         macro_rules! table {
             ($($kernel: ident, $n: literal, $constants: literal;)*) => {
                 match (bands, square) {
@@ -389,8 +392,6 @@ fn choose<T: Real>(bands: usize, square: bool) -> Option<(Run<T>, [usize; 2])> {
             Quadrature8, 8, 72;
         }
     }
-    let (single, double): (Option<(Run<f32>, _)>, Option<(Run<f64>, _)>) = (typed(bands, square), typed(bands, square));
-    [&single as &dyn Any, &double]
-        .into_iter()
-        .find_map(|found| *found.downcast_ref::<Option<(Run<T>, [usize; 2])>>()?)
+    let (single, double): (Found<f32>, Found<f64>) = (typed(bands, square), typed(bands, square));
+    [&single as &dyn Any, &double].into_iter().find_map(|found| *found.downcast_ref::<Found<T>>()?)
 }

@@ -1,6 +1,6 @@
 //! Products and squares of expansions.
 //!
-//! A plan has the form that was measured to be fastest for its size:
+//! A plan has the form that has the fewest operations for its size; only these were timed, not each form at each size:
 //!
 //! | form | for | what it does |
 //! |---|---|---|
@@ -33,7 +33,8 @@ use super::gamma::met;
 use crate::error::check_length;
 use crate::{Real, Result};
 
-/// The largest sum of the three numbers of bands that meet for which the sparse table is faster than the grid.
+/// The largest sum of the three numbers of bands that meet for which the sparse table is used. Chosen from operation counts of
+/// equal bands, not measured for unequal ones.
 const MOST_SPARSE: usize = 24;
 
 /// The largest such sum for which a matrix is made from a table: its entries grow as the fifth power.
