@@ -7,8 +7,8 @@ use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{
     CubeProjection, CubeReconstruction, DeringBy, DeringWindow, Deringing, Extrema, LatLongProjection,
-    LatLongReconstruction, ScatteredFit, TexelRule, Window, Zonal, degree_order, eval, index, monte_carlo, project_cube,
-    project_fn, project_fn_channels, project_lat_long,
+    LatLongReconstruction, ScatteredFit, TexelRule, Window, Zonal, degree_order, eval, index, monte_carlo,
+    project_cube, project_fn, project_fn_channels, project_lat_long,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, SphereQuadrature, fibonacci_directions};
 use haarmonic::strategies;
