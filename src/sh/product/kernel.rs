@@ -368,30 +368,42 @@ impl<T: Real> Kernel<T> {
     }
 }
 
-/// Compiled here for `f32` and `f64` once.
 fn choose<T: Real>(bands: usize, square: bool) -> Found<T> {
-    fn typed<T: Element>(bands: usize, square: bool) -> Found<T> {
-        macro_rules! table {
-            ($($kernel: ident, $n: literal, $constants: literal;)*) => {
-                match (bands, square) {
-                    $(
-                        ($n, false) => Some((run::<$kernel, T, { $n * $n }, $constants, false>, [$kernel::PRODUCT, $kernel::PRODUCT_AT_POLES])),
-                        ($n, true) => Some((run::<$kernel, T, { $n * $n }, $constants, true>, [$kernel::SQUARE, $kernel::SQUARE_AT_POLES])),
-                    )*
-                    _ => None,
-                }
-            };
-        }
-        table! {
-            Tensor2, 2, 1;
-            Tensor3, 3, 1;
-            Quadrature4, 4, 20;
-            Quadrature5, 5, 30;
-            Quadrature6, 6, 42;
-            Quadrature7, 7, 56;
-            Quadrature8, 8, 72;
-        }
-    }
-    let (single, double): (Found<f32>, Found<f64>) = (typed(bands, square), typed(bands, square));
+    let (single, double) = (choose_f32(bands, square), choose_f64(bands, square));
     [&single as &dyn Any, &double].into_iter().find_map(|found| *found.downcast_ref::<Found<T>>()?)
+}
+
+/// Not generic, so that the text is compiled in this crate and not again in each that calls it.
+#[inline(never)]
+fn choose_f32(bands: usize, square: bool) -> Found<f32> {
+    choose_typed(bands, square)
+}
+
+/// As [`choose_f32`].
+#[inline(never)]
+fn choose_f64(bands: usize, square: bool) -> Found<f64> {
+    choose_typed(bands, square)
+}
+
+fn choose_typed<T: Element>(bands: usize, square: bool) -> Found<T> {
+    macro_rules! table {
+        ($($kernel: ident, $n: literal, $constants: literal;)*) => {
+            match (bands, square) {
+                $(
+                    ($n, false) => Some((run::<$kernel, T, { $n * $n }, $constants, false>, [$kernel::PRODUCT, $kernel::PRODUCT_AT_POLES])),
+                    ($n, true) => Some((run::<$kernel, T, { $n * $n }, $constants, true>, [$kernel::SQUARE, $kernel::SQUARE_AT_POLES])),
+                )*
+                _ => None,
+            }
+        };
+    }
+    table! {
+        Tensor2, 2, 1;
+        Tensor3, 3, 1;
+        Quadrature4, 4, 20;
+        Quadrature5, 5, 30;
+        Quadrature6, 6, 42;
+        Quadrature7, 7, 56;
+        Quadrature8, 8, 72;
+    }
 }
