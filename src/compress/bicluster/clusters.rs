@@ -2,6 +2,7 @@
 
 use super::matrix::SparseMatrix;
 use super::multiply::BiclusterMultiplier;
+use super::partition::by_shared_columns;
 use super::search::{Found, Tracing, search};
 use super::settings::BiclusterSettings;
 use super::trace::BiclusterTrace;
@@ -98,7 +99,7 @@ impl Biclustering {
     /// # Errors
     /// [`Error::OutOfRange`] if `settings.group_rows` is 0, [`Error::Cancelled`] if `progress` asked to stop.
     pub fn new(matrix: &SparseMatrix, settings: &BiclusterSettings, progress: &impl Progress) -> Result<Self> {
-        let groups = consecutive(matrix, settings)?;
+        let groups = partition(matrix, settings)?;
         Ok(Self::collect(matrix, search(matrix, &groups, settings, Tracing::Off, progress)?).0)
     }
 
@@ -131,7 +132,7 @@ impl Biclustering {
         settings: &BiclusterSettings,
         progress: &impl Progress,
     ) -> Result<(Self, Vec<BiclusterTrace>)> {
-        let groups = consecutive(matrix, settings)?;
+        let groups = partition(matrix, settings)?;
         Ok(Self::collect(matrix, search(matrix, &groups, settings, Tracing::On, progress)?))
     }
 
@@ -253,9 +254,7 @@ impl Biclustering {
     }
 }
 
-fn consecutive(matrix: &SparseMatrix, settings: &BiclusterSettings) -> Result<Vec<Vec<u32>>> {
+fn partition(matrix: &SparseMatrix, settings: &BiclusterSettings) -> Result<Vec<Vec<u32>>> {
     settings.check()?;
-    let (rows, step) = (matrix.rows(), settings.group_rows);
-    let group = |first: usize| (first as u32..rows.min(first.saturating_add(step)) as u32).collect();
-    Ok((0..rows.div_ceil(step)).map(|i| group(i * step)).collect())
+    Ok(by_shared_columns(matrix, settings.group_rows))
 }

@@ -5,6 +5,7 @@ mod growth;
 mod histogram;
 mod matrix;
 mod multiply;
+mod partition;
 mod queue;
 mod residual;
 mod search;
