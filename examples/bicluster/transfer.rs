@@ -34,7 +34,8 @@ pub fn local_directions() -> Vec<UnitVector3<f64>> {
 /// direction is the nearest one to it. Each texel falls to one local direction of a vertex.
 pub fn transfer_matrix(mesh: &Mesh, progress: &impl Progress) -> Result<SparseMatrix> {
     let grid = CubeGrid::new(SIDE)?;
-    let visibility = VisibilityBaker::new(mesh, grid, VisibilitySettings::default())?.bake_fractional(SAMPLES, progress)?;
+    let visibility =
+        VisibilityBaker::new(mesh, grid, VisibilitySettings::default())?.bake_fractional(SAMPLES, progress)?;
     let local = local_directions();
     let texels: Vec<Vector3<f64>> = grid.directions().iter().map(|d| d.into_inner()).collect();
     let (mut offsets, mut columns, mut levels) = (vec![0], Vec::new(), Vec::new());

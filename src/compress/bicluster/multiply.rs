@@ -11,6 +11,7 @@ use crate::error::check_length;
 ///
 /// Accuracy: each row is a sum of rounded sums, off by at most n·ε·Σ_i Σ_k |t_ik x_k|, n the terms of its longest chain (columns of a bicluster
 /// and biclusters of the row). Residuals cancel: the sum of magnitudes may exceed that of the matrix's own entries.
+/// NaN or infinity in x_k reaches every row of a bicluster with column k, also of those where a residual takes the column back.
 /// The same bits for any number of threads, and for each right-hand side alone or with others.
 #[derive(Debug, Clone)]
 pub struct BiclusterMultiplier<T> {

@@ -84,3 +84,26 @@ fn subtract_line(line: &mut Vec<Entry>, pairs: impl Iterator<Item = (u32, i32)>,
     line.clear();
     line.extend_from_slice(scratch);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_overflow_changes_nothing() {
+        let row = |levels: [i32; 2]| (0..2).map(|k| Entry { index: k as u32, level: levels[k] }).collect::<Vec<_>>();
+        let mut residual = Residual::new(vec![row([1, i32::MAX]), row([1, -2])], 2);
+        let before = residual.clone();
+        assert!(residual.subtract(&[0, 1], &[0, 1], &[1, 7]).is_ok());
+        assert_eq!((residual.nnz, residual.level(1, 1)), (2, -9));
+        let mut residual = before.clone();
+        for levels in [[1, -2], [i32::MIN, 1]] {
+            assert!(residual.subtract(&[0, 1], &[0, 1], &levels).is_err());
+            assert_eq!((&residual.rows, &residual.columns, residual.nnz), (&before.rows, &before.columns, 4));
+        }
+        // An element alone always fits.
+        let mut residual = Residual::new(vec![row([i32::MIN, 3])], 2);
+        assert!(residual.subtract(&[0], &[0], &[i32::MIN]).is_ok());
+        assert_eq!(residual.nnz, 1);
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::growth::{Growth, Grown};
+use super::growth::{Grown, Growth};
 use super::matrix::SparseMatrix;
 use super::residual::{Entry, Residual};
 use super::settings::{BiclusterSettings, Seeds, Shuffle};
@@ -161,5 +161,32 @@ impl<'a> Group<'a> {
             BiclusterMove::AddColumn | BiclusterMove::DeleteColumn => self.columns[step.index],
         };
         BiclusterStep { index: index as usize, ..step }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_that_would_overflow_are_taken_one_by_one() {
+        // Ten rows alike and one whose residual, −2 − i32::MAX, does not fit.
+        let (fits, does_not) = ([5, i32::MAX], [5, -3]);
+        let levels: Vec<[i32; 2]> = (0..11).map(|row| if row == 7 { does_not } else { fits }).collect();
+        let entries = |l: &[i32; 2]| vec![Entry { index: 0, level: l[0] }, Entry { index: 1, level: l[1] }];
+        let residual = Residual::new(levels.iter().map(entries).collect(), 2);
+        let rows: Vec<u32> = (0..11).collect();
+        let group = Group { rows: &rows, columns: vec![0, 1], residual, seeds: Vec::new(), first: 0 };
+        let watch = Watch { progress: &(), done: AtomicUsize::new(0), total: 22 };
+        let Ok((found, traces)) = group.run(Tracing::On, &watch) else { panic!("nobody cancels") };
+        assert!(traces.len() == found.len() && found[0].saving == 0 && traces[0].steps.is_empty());
+        let mut sum = [[0i64; 2]; 11];
+        for b in &found {
+            for &row in &b.rows {
+                let columns = b.columns.iter().zip(&b.levels);
+                columns.for_each(|(&k, &t)| sum[row as usize][k as usize] += i64::from(t));
+            }
+        }
+        assert_eq!(sum.to_vec(), levels.iter().map(|l| l.map(i64::from)).collect::<Vec<_>>());
     }
 }

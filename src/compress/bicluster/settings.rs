@@ -18,16 +18,17 @@ pub enum Seeds {
 pub struct BiclusterSettings {
     /// Where biclusters begin.
     pub seeds: Seeds,
-    /// Rows of a group: biclusters do not reach across groups, so that groups are independent work and time is linear in the rows.
+    /// Most rows of a group, default 4,096. Biclusters do not reach across groups, so that groups are independent work and time is linear in the
+    /// rows.
     ///
-    /// Too small and biclusters end at the border of their group; too large and there is less to do in parallel, and each step
-    /// walks longer columns.
+    /// Too small and biclusters end at the border of their group: at 1,024 rows a product of the bunny's transfer matrix costs 8 % more than at
+    /// 4,096, without groups 1 % less. Too large and there is less to do in parallel, and each step walks longer columns.
     pub group_rows: usize,
 }
 
 impl Default for BiclusterSettings {
     fn default() -> Self {
-        Self { seeds: Seeds::default(), group_rows: 1 << 14 }
+        Self { seeds: Seeds::default(), group_rows: 4096 }
     }
 }
 
