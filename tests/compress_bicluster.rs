@@ -287,6 +287,20 @@ fn structure_is_found_within_groups() {
     assert!(consecutive > 1.1 * groups, "{consecutive}");
 }
 
+#[test]
+fn seeds_are_chosen_by_their_number() {
+    let matrix = circle(40);
+    let first = |seeds| {
+        let (_, traces) = Biclustering::traced(&matrix, &one_group().with_seeds(seeds), &()).unwrap();
+        traces[0].seed
+    };
+    assert_eq!(first(Seeds::First), (0, 0));
+    assert_eq!(first(Seeds::Random(7)), first(Seeds::Random(7)));
+    let starts: std::collections::BTreeSet<_> = (0..20).map(|seed| first(Seeds::Random(seed))).collect();
+    // Twenty of 1,920 places; a repetition has probability .1, three of them 1e-4.
+    assert!(starts.len() >= 18, "{starts:?}");
+}
+
 /// Counts calls; asks to stop after some.
 #[derive(Default)]
 struct Watch {

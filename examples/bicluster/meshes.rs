@@ -57,7 +57,9 @@ fn refined(mesh: &Mesh, vertices: usize) -> Result<Mesh, Failure> {
             edges.entry([tip, middle]).or_default().extend([old, new]);
             edges.entry([a, middle]).or_default().push(old);
             edges.entry([b, middle]).or_default().push(new);
-            [[tip, middle], [a, middle], [b, middle]].map(|e| longest.insert((length(&positions, e), e)));
+            for edge in [[tip, middle], [a, middle], [b, middle]] {
+                longest.insert((length(&positions, edge), edge));
+            }
         }
     }
     Ok(Mesh::new(positions, faces).map(|mesh| in_space_order(&mesh))??)

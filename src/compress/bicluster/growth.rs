@@ -320,3 +320,103 @@ impl Growth {
 fn best_of(moves: impl Iterator<Item = (usize, i64)>) -> Option<(usize, i64)> {
     moves.max_by(|a, b| a.1.cmp(&b.1).then(b.0.cmp(&a.0)))
 }
+
+#[cfg(all(test, feature = "reference"))]
+mod tests {
+    use super::super::residual::Entry;
+    use super::*;
+    use crate::reference::compress::bicluster_saving;
+
+    /// Numbers without a pattern.
+    struct Random(u32);
+
+    impl Random {
+        fn below(&mut self, limit: usize) -> usize {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (self.0 >> 16) as usize % limit
+        }
+    }
+
+    /// The first move that gains most, from the definition of ΔW.
+    fn best_by_definition(
+        matrix: &[Vec<i64>],
+        rows: &[usize],
+        columns: &[usize],
+    ) -> Option<(BiclusterMove, usize, i64)> {
+        let without = |list: &[usize], i| list.iter().copied().filter(|&item| item != i).collect::<Vec<_>>();
+        let with = |list: &[usize], i| [list, &[i]].concat();
+        let mut moves = Vec::new();
+        let other_rows = (0..matrix.len()).filter(|i| !rows.contains(i));
+        moves.extend(other_rows.map(|i| (BiclusterMove::AddRow, i, with(rows, i), columns.to_vec())));
+        let other_columns = (0..matrix[0].len()).filter(|i| !columns.contains(i));
+        moves.extend(other_columns.map(|i| (BiclusterMove::AddColumn, i, rows.to_vec(), with(columns, i))));
+        let (mut rows, mut columns) = (rows.to_vec(), columns.to_vec());
+        rows.sort_unstable();
+        columns.sort_unstable();
+        let now = bicluster_saving(matrix, &rows, &columns);
+        if rows.len() > 1 {
+            moves.extend(rows.iter().map(|&i| (BiclusterMove::DeleteRow, i, without(&rows, i), columns.clone())));
+        }
+        if columns.len() > 1 {
+            moves.extend(columns.iter().map(|&i| (BiclusterMove::DeleteColumn, i, rows.clone(), without(&columns, i))));
+        }
+        let mut best = None;
+        for (kind, index, r, c) in moves {
+            let gain = bicluster_saving(matrix, &r, &c) - now;
+            if gain > best.map_or(0, |b: (_, _, i64)| b.2) {
+                best = Some((kind, index, gain));
+            }
+        }
+        best
+    }
+
+    /// Also submatrices that greedy growth does not pass through: with columns that are empty, or have a single non-zero.
+    #[test]
+    fn the_best_move_of_any_submatrix_is_that_of_the_definition() {
+        let mut random = Random(1);
+        for round in 0..1500 {
+            let (height, width) = (1 + random.below(6), 1 + random.below(6));
+            let density = 1 + random.below(4);
+            let mut value = |_| if random.below(4) < density { random.below(5) as i64 - 2 } else { 0 };
+            let dense: Vec<Vec<i64>> = (0..height).map(|_| (0..width).map(&mut value).collect()).collect();
+            let entries = |row: &Vec<i64>| -> Vec<Entry> {
+                let all = row.iter().enumerate().filter(|(_, v)| **v != 0);
+                all.map(|(k, &v)| Entry { index: k as u32, level: v as i32 }).collect()
+            };
+            let matrix = Residual::new(dense.iter().map(entries).collect(), width);
+            let mut growth = Growth::new(height, width);
+            let (mut rows, mut columns) = (vec![random.below(height)], vec![random.below(width)]);
+            growth.add_row(&matrix, rows[0]);
+            growth.add_column(&matrix, columns[0]);
+            growth.empties += usize::from(dense[rows[0]][columns[0]] == 0); // a seed is never zero in a search
+            for step in 0..12 {
+                let (row, column) = (random.below(height), random.below(width));
+                match random.below(2) {
+                    0 if !rows.contains(&row) => {
+                        growth.add_row(&matrix, row);
+                        rows.push(row);
+                    }
+                    0 if rows.len() > 1 => {
+                        growth.delete_row(&matrix, row);
+                        rows.retain(|&i| i != row);
+                    }
+                    1 if !columns.contains(&column) && growth.histograms[column].total() > 0 => {
+                        growth.add_column(&matrix, column);
+                        columns.push(column);
+                    }
+                    1 if columns.contains(&column) && columns.len() > 1 => {
+                        growth.delete_column(&matrix, column);
+                        columns.retain(|&i| i != column);
+                    }
+                    _ => {}
+                }
+                let want = best_by_definition(&dense, &rows, &columns);
+                assert_eq!(
+                    growth.best_move(&matrix),
+                    want,
+                    "round {round}, step {step}: {dense:?} {rows:?} {columns:?}"
+                );
+            }
+        }
+    }
+}

@@ -18,6 +18,16 @@ const ROUNDS: usize = 3;
 /// Where supports are compact (a solid angle of directions), a row shares its columns with rows of its own group for the most part.
 /// Time and memory: linear in the entries.
 pub(super) fn by_shared_columns(matrix: &SparseMatrix, group_rows: usize) -> Vec<Vec<u32>> {
+    let (labels, count) = labelled(matrix);
+    let mut groups = vec![Vec::new(); count];
+    let rows = (0..matrix.rows()).filter(|&row| labels[row] != NONE);
+    rows.for_each(|row| groups[labels[row] as usize].push(row as u32));
+    groups.retain(|group| !group.is_empty());
+    resize(groups, group_rows)
+}
+
+/// Steps 1 and 2: the group of each row, and how many there are.
+fn labelled(matrix: &SparseMatrix) -> (Vec<u32>, usize) {
     let by_column = rows_by_column(matrix);
     let (mut labels, count) = anchored(matrix, &by_column);
     let mut votes = Votes::new(count);
@@ -28,11 +38,7 @@ pub(super) fn by_shared_columns(matrix: &SparseMatrix, group_rows: usize) -> Vec
             labels[row] = votes.winner(matrix.row(row).0.iter().map(|&column| column_labels[column as usize]));
         }
     }
-    let mut groups = vec![Vec::new(); count];
-    let rows = (0..matrix.rows()).filter(|&row| labels[row] != NONE);
-    rows.for_each(|row| groups[labels[row] as usize].push(row as u32));
-    groups.retain(|group| !group.is_empty());
-    resize(groups, group_rows)
+    (labels, count)
 }
 
 /// The label of what has no entries.
@@ -114,4 +120,31 @@ fn resize(groups: Vec<Vec<u32>>, group_rows: usize) -> Vec<Vec<u32>> {
         }
     }
     sized
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn matrix(rows: &[&[usize]]) -> SparseMatrix {
+        let places = rows.iter().enumerate().flat_map(|(j, row)| row.iter().map(move |&k| (j, k, 1)));
+        SparseMatrix::from_triplets(rows.len(), 10, 1.0, places).unwrap()
+    }
+
+    #[test]
+    fn scraps_join_the_group_around_them() {
+        // Column 0 takes all rows but the third and the empty one; the third shares two of its three columns with them.
+        let matrix = matrix(&[&[0, 1, 2], &[0, 1, 2], &[1, 2, 9], &[0, 1, 2], &[0], &[0, 1, 2], &[]]);
+        assert_eq!(anchored(&matrix, &rows_by_column(&matrix)), (vec![0, 0, 1, 0, 0, 0, NONE], 2));
+        assert_eq!(labelled(&matrix), (vec![0, 0, 0, 0, 0, 0, NONE], 2));
+        assert_eq!(by_shared_columns(&matrix, 6), [[0, 1, 2, 3, 4, 5]]);
+    }
+
+    #[test]
+    fn groups_are_cut_and_joined() {
+        let matrix = matrix(&[&[0], &[1], &[0], &[2], &[0], &[0], &[0], &[0], &[0]]);
+        assert_eq!(by_shared_columns(&matrix, 3), [vec![0, 2, 4], vec![5, 6, 7], vec![1, 3, 8]]);
+        assert_eq!(by_shared_columns(&matrix, 4), [vec![0, 2, 4, 5], vec![1, 6, 7, 8], vec![3]]);
+        assert_eq!(by_shared_columns(&matrix, usize::MAX).len(), 1);
+    }
 }
