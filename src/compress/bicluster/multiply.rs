@@ -123,7 +123,7 @@ impl<T: Real> BiclusterMultiplier<T> {
             }
             out.copy_from_slice(&sums);
         });
-        let (products, _) = (&*scratch).as_chunks::<S>();
+        let (products, _) = scratch.as_chunks::<S>();
         for_rows(out, S, Self::CHUNK, |row, out| {
             let mut sums = [T::zero(); S];
             for &i in &self.members[self.row_offsets[row] as usize..self.row_offsets[row + 1] as usize] {

@@ -2,6 +2,19 @@
 
 use crate::compress::{BiclusterMove, BiclusterStep, BiclusterTrace};
 
+/// A bicluster and how it was found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NaiveBicluster {
+    /// Where it began, its moves, what it saves.
+    pub trace: BiclusterTrace,
+    /// The rows, ascending.
+    pub rows: Vec<usize>,
+    /// The columns, ascending.
+    pub columns: Vec<usize>,
+    /// t_k of each column.
+    pub values: Vec<i64>,
+}
+
 /// t_k of every column of a submatrix: its most frequent non-zero value over the rows, the smallest of equals; 0 if all are zero.
 pub fn bicluster_values(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) -> Vec<i64> {
     let value = |&column: &usize| {
@@ -37,14 +50,14 @@ pub fn first_nonzero(matrix: &[Vec<i64>]) -> Option<(usize, usize)> {
     matrix.iter().enumerate().find_map(|(j, row)| Some((j, row.iter().position(|&v| v != 0)?)))
 }
 
-/// Algorithm 1: for each bicluster how it grew, its rows and columns (ascending) and the values of its columns.
+/// Algorithm 1: the biclusters in the order in which they are found.
 ///
 /// `seed` chooses a non-zero element of what is left, `None` to end. Of the moves with the largest ΔW the first one in the order of [`BiclusterMove`] and
 /// of ascending indices is made, as long as ΔW grows; a submatrix keeps at least one row and column.
 pub fn bicluster(
     matrix: &[Vec<i64>],
     mut seed: impl FnMut(&[Vec<i64>]) -> Option<(usize, usize)>,
-) -> Vec<(BiclusterTrace, Vec<usize>, Vec<usize>, Vec<i64>)> {
+) -> Vec<NaiveBicluster> {
     let mut left = matrix.to_vec();
     let mut found = Vec::new();
     while let Some(start) = seed(&left) {
@@ -66,7 +79,7 @@ pub fn bicluster(
         for &row in &rows {
             columns.iter().zip(&values).for_each(|(&column, &t)| left[row][column] -= t);
         }
-        found.push((trace, rows, columns, values));
+        found.push(NaiveBicluster { trace, rows, columns, values });
     }
     found
 }

@@ -2,4 +2,4 @@
 
 mod bicluster;
 
-pub use bicluster::{bicluster, bicluster_saving, bicluster_values, first_nonzero, multiply_levels};
+pub use bicluster::{NaiveBicluster, bicluster, bicluster_saving, bicluster_values, first_nonzero, multiply_levels};
