@@ -13,7 +13,7 @@ const PIXELS: usize = 3;
 const BACK: [u8; 3] = [12, 12, 14];
 const DIM: [u8; 3] = [70, 72, 78];
 
-/// Some rows and columns of the matrix around its largest bicluster: in their own order, with rows and columns of a bicluster side by side, and coloured
+/// Rows of the matrix that share a column, and the columns that they use most: in their own order, with rows and columns of a bicluster side by side, and coloured
 /// by bicluster.
 pub fn matrix(measured: &Measured) -> Sheet {
     let (matrix, biclusters) = (&measured.matrix, &measured.biclusters);
@@ -50,15 +50,14 @@ struct Window {
 
 impl Window {
     fn new(matrix: &SparseMatrix, all: &Biclustering) -> Self {
-        let Some(largest) = all.iter().max_by_key(|b| b.rows.len() * b.columns.len()) else {
-            return Self { rows: Vec::new(), columns: Vec::new(), biclusters: Vec::new() };
-        };
-        // Rows that share most columns with it, then columns that have most entries in those rows.
-        let shared = |row: &u32| {
-            let (columns, _) = matrix.row(*row as usize);
-            columns.iter().filter(|c| largest.columns.binary_search(c).is_ok()).count()
-        };
-        let rows = most((0..matrix.rows() as u32).map(|row| (shared(&row), row)), ROWS);
+        // The column in most biclusters of several rows: where there is most to see.
+        let mut met = vec![0; matrix.columns()];
+        all.iter().filter(|b| b.rows.len() > 1).for_each(|b| b.columns.iter().for_each(|&k| met[k as usize] += 1));
+        let busiest = (0..matrix.columns()).max_by_key(|&k| met[k]).unwrap_or(0);
+        let using: Vec<u32> =
+            (0..matrix.rows()).filter(|&row| matrix.level(row, busiest) != 0).map(|row| row as u32).collect();
+        let shown = ROWS.min(using.len());
+        let rows: Vec<u32> = (0..shown).map(|i| using[i * using.len() / shown]).collect();
         let mut counts = vec![0; matrix.columns()];
         rows.iter().for_each(|&row| matrix.row(row as usize).0.iter().for_each(|&c| counts[c as usize] += 1));
         let columns = most(counts.into_iter().zip(0..), COLUMNS);
@@ -151,9 +150,10 @@ pub fn scaling(all: &[Measured], name: &str) -> Sheet {
         caption: Vec::new(),
         size: [460, 380],
     };
+    let slowest = all.iter().map(|m| 100.0 * m.product_ms[1] / m.product_ms[0]).fold(30.0, f64::max);
     let shares = Chart {
         title: "Cost of a product, % of the sparse matrix's".to_owned(),
-        y: Axis::between("%", Scale::Linear, 0.0, 40.0),
+        y: Axis::between("%", Scale::Linear, 0.0, 1.4 * slowest),
         series: vec![
             Series::dotted("operations", COLOURS[0], points(&|m| m.percent()[0])),
             Series::dotted("bytes", COLOURS[1], points(&|m| m.percent()[1])),
