@@ -9,6 +9,7 @@
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
 //! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions; the triple-product tensor, products | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
+//! | [`compress`] | biclustering of sparse matrices of few values | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
 #![cfg_attr(
     feature = "scene",
@@ -85,13 +86,13 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
-#[cfg(feature = "scene")]
 mod progress;
 mod real;
 
 pub mod affine;
 #[cfg(feature = "wavelet")]
 pub mod backend;
+pub mod compress;
 pub mod haar;
 #[cfg(feature = "io")]
 pub mod io;
@@ -107,7 +108,6 @@ pub mod strategies;
 
 pub use error::{Error, Result};
 pub use nalgebra;
-#[cfg(feature = "scene")]
 pub use progress::Progress;
 pub use real::Real;
 

@@ -5,6 +5,7 @@
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
 mod affine;
+mod bicluster;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
@@ -13,6 +14,7 @@ mod sh_visibility;
 mod sphere;
 
 pub use affine::{affine_map, dyadic_map};
+pub use bicluster::block_matrix;
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
