@@ -6,3 +6,4 @@ pub mod haar;
 pub mod scene;
 pub mod sh;
 pub mod sphere;
+pub mod table;

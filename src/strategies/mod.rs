@@ -9,9 +9,11 @@ mod haar;
 #[cfg(feature = "scene")]
 mod scene;
 mod sphere;
+mod table;
 
 pub use affine::{affine_map, dyadic_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
+pub use table::{outside, rectangle, visibility_map};
