@@ -83,8 +83,20 @@ impl<'a> BinaryMap<'a> {
                 (0..count).for_each(|i| row[i] = u16::from(map[i] != 0));
             }
             Self::Bits(map) => {
-                (0..count).for_each(|i| row[i] = (map[(start + i) / 64] >> ((start + i) % 64) & 1) as u16)
+                for (k, row) in row.chunks_mut(16).enumerate() {
+                    let bits = sixteen_bits(map, start + 16 * k);
+                    (0..row.len()).for_each(|i| row[i] = u16::from(bits & (1 << i) != 0));
+                }
             }
         }
     }
+}
+
+/// Bits `start..`; zeros follow the last word.
+#[inline(always)]
+fn sixteen_bits(words: &[u64], start: usize) -> u16 {
+    let (word, shift) = (start / 64, start % 64);
+    let low = words[word] >> shift;
+    let high = words.get(word + 1).map_or(0, |next| if shift == 0 { 0 } else { next << (64 - shift) });
+    (low | high) as u16
 }

@@ -52,7 +52,9 @@ impl<'a> VisibilityDistanceRef<'a> {
         self.find(point).distance
     }
 
-    /// The gradient of [`at`](Self::at) there; its direction is that from the nearest boundary into what is visible.
+    /// The gradient of [`at`](Self::at); its direction is that from the nearest boundary into what is visible.
+    ///
+    /// Beyond the outermost centres of an open map, where [`at`](Self::at) is held, that of the nearest place inside.
     #[inline]
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         self.find(point).gradient
@@ -87,8 +89,9 @@ impl<'a> VisibilityDistanceRef<'a> {
             let away = u.beyond.hypot(v.beyond);
             if away > 0.0 {
                 distance -= away;
-                gradient[0] -= u.beyond / away;
-                gradient[1] -= v.beyond / away;
+                for (slope, beyond) in gradient.iter_mut().zip([u.beyond, v.beyond]) {
+                    *slope = if beyond == 0.0 { *slope } else { -beyond / away };
+                }
             }
         }
         Found { distance, gradient }

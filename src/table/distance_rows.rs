@@ -17,6 +17,8 @@ use super::binary_map::BinaryMap;
 /// What a table stores of a signed square (2d)².
 pub(super) trait FromSquare: Copy + Send {
     fn of(square: i32) -> Self;
+    /// The same, of a square below 2²⁴.
+    fn of_small(square: i32) -> Self;
 }
 
 impl FromSquare for i32 {
@@ -24,14 +26,26 @@ impl FromSquare for i32 {
     fn of(square: i32) -> Self {
         square
     }
+
+    #[inline(always)]
+    fn of_small(square: i32) -> Self {
+        square
+    }
 }
 
-/// The distance in pixels.
+/// The distance in pixels, rounded once: the root of an integer below 2²⁴ is, and so is one taken in `f64` and narrowed, because 53 bits
+/// are more than 2·24 + 2.
 impl FromSquare for f32 {
     #[inline(always)]
     fn of(square: i32) -> Self {
         let root = 0.5 * f64::from(square.abs()).sqrt() as f32;
         root.copysign(square as f32)
+    }
+
+    #[inline(always)]
+    fn of_small(square: i32) -> Self {
+        let square = square as f32;
+        (0.5 * square.abs().sqrt()).copysign(square)
     }
 }
 
@@ -60,7 +74,7 @@ pub(super) struct Buffers {
     /// Distances to the boundary above; then also below.
     vertical: Vec<u16>,
     below: Vec<u16>,
-    /// This row's pixels and the row before.
+    /// This row's pixels and the row before, a STEP of margin around each.
     pixels: [Vec<u16>; 2],
     /// Squares of a row, with 0 where a boundary is met on coming from the left or from the right; FAR all around.
     from: [Vec<u16>; 2],
@@ -86,7 +100,7 @@ impl Buffers {
         let padded = width.next_multiple_of(STEP);
         self.vertical.resize(padded * height, 0);
         self.below.resize(padded, 0);
-        self.pixels.iter_mut().for_each(|row| row.resize(padded, 0));
+        self.pixels.iter_mut().for_each(|row| row.resize(padded + 2 * STEP, 0));
         self.from.iter_mut().for_each(|row| {
             row.clear();
             row.resize(padded + 2 * MARGIN, FAR);
@@ -102,8 +116,8 @@ impl Buffers {
         self.start(width, 0, ring, map);
         for y in 0..height {
             let [row, before] = &mut self.pixels;
-            map.row(y * width, &mut row[..width]);
-            advance(row, before, &mut self.below);
+            map.row(y * width, &mut row[STEP..][..width]);
+            advance(&row[STEP..], &before[STEP..], &mut self.below);
             self.vertical[y * padded..][..padded].copy_from_slice(&self.below);
             self.pixels.swap(0, 1);
         }
@@ -124,18 +138,24 @@ impl Buffers {
         self.start(width, height - 1, ring, map);
         for y in (0..height).rev() {
             let [row, before] = &mut self.pixels;
-            map.row(y * width, &mut row[..width]);
-            advance(row, before, &mut self.below);
+            map.row(y * width, &mut row[STEP..][..width]);
+            advance(&row[STEP..], &before[STEP..], &mut self.below);
             let vertical = &mut self.vertical[y * padded..][..padded];
             for (v, &below) in vertical.iter_mut().zip(&self.below) {
                 *v = (*v).min(below);
             }
             self.row(width, y, ring);
             let out = &mut out[y * width..][..width];
-            let (squares, pixels) = (&self.squares[..width], &self.pixels[0][..width]);
-            for x in 0..width {
-                let square = squares[x].min(bound);
-                out[x] = O::of(if pixels[x] == 1 { square } else { -square });
+            let (squares, pixels) = (&self.squares[..width], &self.pixels[0][STEP..][..width]);
+            // Negative where the pixel is 0.
+            let signed = |x: usize| {
+                let sign = i32::from(pixels[x]) - 1;
+                (squares[x].min(bound) ^ sign) - sign
+            };
+            if bound < 1 << 24 {
+                (0..width).for_each(|x| out[x] = O::of_small(signed(x)));
+            } else {
+                (0..width).for_each(|x| out[x] = O::of(signed(x)));
             }
             self.pixels.swap(0, 1);
         }
@@ -147,7 +167,7 @@ impl Buffers {
         self.below.fill(NONE);
         match ring {
             Ring::Zero => self.pixels[1].fill(0),
-            Ring::Open => map.row(y * width, &mut self.pixels[1][..width]),
+            Ring::Open => map.row(y * width, &mut self.pixels[1][STEP..][..width]),
         }
     }
 
@@ -155,8 +175,8 @@ impl Buffers {
     #[inline(always)]
     fn row(&mut self, width: usize, y: usize, ring: Ring) {
         let padded = self.below.len();
-        let vertical = &self.vertical[y * padded..][..width];
-        prepare(ring, &self.pixels[0][..width], vertical, &mut self.near, &mut self.from);
+        let vertical = &self.vertical[y * padded..][..padded];
+        prepare(width, ring, &mut self.pixels[0], vertical, &mut self.near, &mut self.from);
         let limit = width.min(NEAR);
         let mut unfinished = false;
         for at in (0..width).step_by(STEP) {
@@ -177,8 +197,9 @@ impl Buffers {
         let known = i32::from(known(width));
         let mut start = 0;
         while start < width {
-            let class = self.pixels[0][start];
-            let count = self.pixels[0][start..width].iter().take_while(|&&c| c == class).count();
+            let pixels = &self.pixels[0][STEP..][..width];
+            let class = pixels[start];
+            let count = pixels[start..].iter().take_while(|&&c| c == class).count();
             let end = start + count;
             let frame = ring == Ring::Zero && class == 1;
             let ends = [start > 0 || frame, end < width || frame];
@@ -199,42 +220,63 @@ fn known(width: usize) -> u16 {
     if width <= NEAR { FAR - 1 } else { (2 * NEAR as u16 + 1).pow(2) }
 }
 
-/// One row further: distances grow by a pixel, or start anew behind a change.
+/// All ones where it is so.
+#[inline(always)]
+fn mask(it_is: bool) -> u16 {
+    u16::from(it_is).wrapping_neg()
+}
+
+/// One row further: distances grow by a pixel, or start anew behind a change. What is not there stays so.
 #[inline(always)]
 fn advance(row: &[u16], before: &[u16], distance: &mut [u16]) {
-    let count = distance.len();
-    let (row, before) = (&row[..count], &before[..count]);
-    for x in 0..count {
-        let grown = if distance[x] == NONE { NONE } else { distance[x] + 2 };
-        distance[x] = if row[x] == before[x] { grown } else { 1 };
+    let distance = distance.as_chunks_mut::<STEP>().0;
+    let (row, before) = (row.as_chunks::<STEP>().0, before.as_chunks::<STEP>().0);
+    let (row, before) = (&row[..distance.len()], &before[..distance.len()]);
+    for k in 0..distance.len() {
+        let (row, before, mut next) = (row[k], before[k], distance[k]);
+        for x in 0..STEP {
+            let same = mask(row[x] == before[x]);
+            next[x] = ((next[x] + 2).min(NONE) & same) | (1 & !same);
+        }
+        distance[k] = next;
     }
 }
 
 /// Squares of the vertical distances, and the two rows of near candidates.
 #[inline(always)]
-fn prepare(ring: Ring, pixels: &[u16], vertical: &[u16], near: &mut [u16], [left, right]: &mut [Vec<u16>; 2]) {
-    let width = pixels.len();
-    let vertical = &vertical[..width];
-    for x in 0..width {
-        near[x] = if vertical[x] < 256 { vertical[x] * vertical[x] } else { FAR };
+fn prepare(
+    width: usize,
+    ring: Ring,
+    pixels: &mut [u16],
+    vertical: &[u16],
+    near: &mut [u16],
+    [left, right]: &mut [Vec<u16>; 2],
+) {
+    // No change at the two ends: what is there is the ring's.
+    let ends = [pixels[STEP], pixels[STEP + width - 1]];
+    (pixels[STEP - 1], pixels[STEP + width]) = (ends[0], ends[1]);
+    for at in (0..near.len()).step_by(STEP) {
+        let chunk = |from: &[u16], start: usize| -> [u16; STEP] { *from[start..].first_chunk().expect("padded") };
+        let [before, here, after] = [STEP - 1, STEP, STEP + 1].map(|shift| chunk(pixels, at + shift));
+        let vertical = chunk(vertical, at);
+        let mut squares = [[0; STEP]; 3];
+        for x in 0..STEP {
+            let square = vertical[x].wrapping_mul(vertical[x]) | mask(vertical[x] > 255);
+            // A pixel to the left of the one that looks has its near side on the right.
+            squares[0][x] = square & mask(here[x] == after[x]);
+            squares[1][x] = square & mask(here[x] == before[x]);
+            squares[2][x] = square;
+        }
+        left[MARGIN + at..][..STEP].copy_from_slice(&squares[0]);
+        right[MARGIN + at..][..STEP].copy_from_slice(&squares[1]);
+        near[at..][..STEP].copy_from_slice(&squares[2]);
     }
     near[width..].fill(0);
-    let near = &near[..width];
-    // A pixel to the left of the one that looks, and one to the right, with the pieces of boundary on its near side.
-    let frame = |pixel: u16| if ring == Ring::Zero && pixel == 1 { 0 } else { FAR };
-    left[MARGIN - 1] = frame(pixels[0]);
-    right[MARGIN + width] = frame(pixels[width - 1]);
-    let (left, right) = (&mut left[MARGIN..][..width], &mut right[MARGIN..][..width]);
-    let (first, second) = (&pixels[..width - 1], &pixels[1..]);
-    for x in 0..width - 1 {
-        left[x] = if first[x] == second[x] { near[x] } else { 0 };
+    let frame = ends.map(|pixel| if ring == Ring::Zero && pixel == 1 { 0 } else { FAR });
+    for row in [&mut *left, &mut *right] {
+        row[MARGIN + width..][..STEP].fill(FAR);
     }
-    left[width - 1] = near[width - 1];
-    right[0] = near[0];
-    let (right, near) = (&mut right[1..][..width - 1], &near[1..]);
-    for x in 0..width - 1 {
-        right[x] = if first[x] == second[x] { near[x] } else { 0 };
-    }
+    (left[MARGIN - 1], right[MARGIN + width]) = (frame[0], frame[1]);
 }
 
 /// The minimum over the candidates up to `limit` pixels away; returns the largest of the block.
