@@ -164,7 +164,7 @@ proptest! {
 
     /// Wider than what is tried in vectors, and farther than 16 bits.
     #[test]
-    fn far_boundaries((width, height, map) in map_of((49..=110, 1..=20))) {
+    fn far_boundaries((width, height, map) in map_of((65..=130, 1..=14))) {
         for frame in [Frame::Open, Frame::Zero] {
             prop_assert_eq!(squares(width, height, &map, frame), expected(width, height, &map, frame));
         }
@@ -173,7 +173,7 @@ proptest! {
 
 #[test]
 fn farther_than_sixteen_bits() {
-    for (width, height, at) in [(9, 400, 5), (400, 9, 399), (300, 1, 0), (1, 300, 299), (290, 33, 4000), (48, 150, 0)] {
+    for (width, height, at) in [(7, 300, 5), (300, 7, 299), (300, 1, 0), (1, 300, 299), (270, 12, 2000), (48, 150, 0)] {
         for value in [false, true] {
             let map: Vec<bool> = (0..width * height).map(|i| (i == at) != value).collect();
             for frame in [Frame::Open, Frame::Zero] {
@@ -325,7 +325,7 @@ fn sticks(numbers: &mut Numbers) -> Vec<bool> {
 /// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their summed-area tables.
 fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
     let (mut numbers, mut sums, mut count) = (Numbers(1), [0.0; 5], 0.0);
-    for _ in 0..150 {
+    for _ in 0..100 {
         let map = map(&mut numbers);
         if map.iter().all(|&v| v) || !map.iter().any(|&v| v) {
             continue;
@@ -364,11 +364,10 @@ fn coverage_of_random_maps() {
     // Linear, mean, gradient, smoothstep.
     for (name, got, want) in [
         ("half-planes", rms(straight), [0.0248, 0.0196, 0.0186, 0.0196]),
-        ("wedges", rms(wedge), [0.0420, 0.0390, 0.0390, 0.0390]),
+        ("wedges", rms(wedge), [0.0362, 0.0327, 0.0327, 0.0324]),
         ("discs", rms(disc), [0.0244, 0.0214, 0.0220, 0.0214]),
         ("sticks", rms(sticks), [0.105, 0.105, 0.105, 0.105]),
     ] {
-        println!("{name}: {got:.4?}");
         assert!((0.15..0.35).contains(&got[0]), "{name}, as printed: {}", got[0]);
         for (form, want) in want.into_iter().enumerate() {
             let got = got[1 + form];

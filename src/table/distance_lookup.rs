@@ -157,7 +157,6 @@ impl VisibilityDistance {
 
     /// The table to look up in.
     #[inline]
-    #[expect(clippy::should_implement_trait, reason = "a view by value, which AsRef cannot give")]
     pub fn as_ref(&self) -> VisibilityDistanceRef<'_> {
         let [width, height] = self.size;
         VisibilityDistanceRef { width, height, frame: self.frame, distances: &self.distances }

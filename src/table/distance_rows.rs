@@ -53,7 +53,11 @@ impl FromSquare for f32 {
 pub(super) const STEP: usize = 16;
 
 /// Shifts that are tried in vectors before the envelope is built.
-const NEAR: usize = 48;
+const NEAR: usize = 64;
+
+/// The shift after which a block gives up if nothing of it is nearer than DEEP.
+const HOPELESS: usize = 17;
+const DEEP: u16 = 96 * 96;
 
 /// No boundary above or below: larger than any distance to one, and 2·height more does not overflow.
 const NONE: u16 = 0x7fff;
@@ -295,7 +299,14 @@ fn near_block(at: usize, limit: usize, [left, right]: &[Vec<u16>; 2], near: &mut
         }
         if k % 4 == 1 || k == limit {
             largest = best.iter().fold(0, |a, &b| a.max(b));
-            if largest <= (2 * k as u16 + 1).pow(2) {
+            let sure = (2 * k as u16 + 1).pow(2);
+            if largest <= sure {
+                break;
+            }
+            // Deep inside a run the envelope will be wanted in any case: leave the block to it.
+            if k == HOPELESS && best.iter().fold(FAR, |a, &b| a.min(b)) > DEEP {
+                best = [FAR; STEP];
+                largest = FAR;
                 break;
             }
         }

@@ -196,7 +196,6 @@ impl<T: Real> SummedArea<T> {
 
     /// The table to look up in.
     #[inline]
-    #[expect(clippy::should_implement_trait, reason = "a view by value, which AsRef cannot give")]
     pub fn as_ref(&self) -> SummedAreaRef<'_, T> {
         SummedAreaRef { width: self.width, height: self.height, entries: &self.entries }
     }
