@@ -325,7 +325,7 @@ fn sticks(numbers: &mut Numbers) -> Vec<bool> {
 /// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their summed-area tables.
 fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
     let (mut numbers, mut sums, mut count) = (Numbers(1), [0.0; 5], 0.0);
-    for _ in 0..100 {
+    for _ in 0..150 {
         let map = map(&mut numbers);
         if map.iter().all(|&v| v) || !map.iter().any(|&v| v) {
             continue;
