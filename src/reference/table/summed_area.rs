@@ -2,7 +2,7 @@
 
 use crate::numeric::CompensatedSum;
 
-/// S[r][c] = Σ f over rows < r and columns < c; (height + 1) rows of width + 1. Each entry is a sum of its own.
+/// S(r, c) = Σ f over rows < r and columns < c; (height + 1) rows of width + 1. Each entry is a sum of its own.
 pub fn summed_area(width: usize, height: usize, samples: &[f64]) -> Vec<f64> {
     let entry = |r: usize, c: usize| {
         let terms = (0..r * c).map(|i| samples[i / c * width + i % c]);
