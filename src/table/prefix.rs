@@ -22,6 +22,7 @@ fn convert<S: Real, T: Real>(x: S) -> T {
 }
 
 /// Adds the samples of a band's rows to its column sums.
+#[cfg(feature = "rayon")]
 #[inline(always)]
 pub(super) fn column_sums<S: Real, T: Real>(samples: &[S], sums: &mut [T]) {
     for row in samples.chunks_exact(sums.len()) {
