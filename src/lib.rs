@@ -8,6 +8,7 @@
 //! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
 //! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions; the triple-product tensor, products | |
+//! | [`table`] | summed-area tables; visibility distance tables and the share of a square that is visible | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`compress`] | biclustering of sparse matrices of few values | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
@@ -105,6 +106,7 @@ pub mod sh;
 pub mod sphere;
 #[cfg(feature = "proptest")]
 pub mod strategies;
+pub mod table;
 
 pub use error::{Error, Result};
 pub use nalgebra;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 /// `backend` is followed by one room for each back end: siblings never import each other.
 const ROOMS: [&str; 12] =
     ["error", "progress", "real", "numeric", "sphere", "haar", "affine", "sh", "compress", "scene", "io", "backend"];
+    ["error", "progress", "real", "numeric", "sphere", "haar", "affine", "sh", "table", "scene", "io", "backend"];
 
 /// Rooms that show the public types of the house to tests, and so may import everything.
 const ANNEXES: [&str; 3] = ["lib", "reference", "strategies"];

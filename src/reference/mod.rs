@@ -7,3 +7,4 @@ pub mod haar;
 pub mod scene;
 pub mod sh;
 pub mod sphere;
+pub mod table;

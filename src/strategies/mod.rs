@@ -12,6 +12,7 @@ mod scene;
 mod sh;
 mod sh_visibility;
 mod sphere;
+mod table;
 
 pub use affine::{affine_map, dyadic_map};
 pub use bicluster::block_matrix;
@@ -21,3 +22,4 @@ pub use scene::{procedural, triangle_soup};
 pub use sh::sh_vector;
 pub use sh_visibility::{discs, sh_visibility};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
+pub use table::{outside, rectangle, visibility_map};
