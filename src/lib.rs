@@ -9,6 +9,7 @@
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
 //! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions; the triple-product tensor, products | |
 //! | [`dct`] | block cosine transforms, their lowest frequencies from few samples, product integrals | |
+//! | [`compress`] | maps by their changes (run coding) | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`numeric`] | Gauss–Legendre rules, careful sums | |
 #![cfg_attr(
@@ -93,6 +94,7 @@ mod real;
 pub mod affine;
 #[cfg(feature = "wavelet")]
 pub mod backend;
+pub mod compress;
 pub mod dct;
 pub mod haar;
 #[cfg(feature = "io")]

@@ -1,6 +1,7 @@
 //! Naive `f64` twins of the fast paths: short, slow and obviously right, for tests here and elsewhere.
 
 pub mod affine;
+pub mod compress;
 pub mod dct;
 pub mod haar;
 #[cfg(feature = "scene")]

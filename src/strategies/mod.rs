@@ -5,12 +5,14 @@
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
 mod affine;
+mod compress;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
 mod sphere;
 
 pub use affine::{affine_map, dyadic_map};
+pub use compress::{level_map, run_map, visibility_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
