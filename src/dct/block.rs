@@ -214,8 +214,35 @@ impl<T: Real> BlockDct<T> {
         }
     }
 
+    /// A dispatch for each side, so that each is a function of its own.
     fn run(&self, low: usize, input: Data<'_, T>, output: &mut [T]) {
-        self.arch.dispatch(Batch { plan: self, low, input, output });
+        match (self.side, size_of::<T>() == size_of::<f32>()) {
+            (4, _) => self.run_side::<4, 2, 4>(low, input, output),
+            (8, true) => self.run_side::<8, 4, 8>(low, input, output),
+            (8, false) => self.run_side::<8, 4, 4>(low, input, output),
+            (16, true) => self.run_side::<16, 8, 8>(low, input, output),
+            (16, false) => self.run_side::<16, 8, 4>(low, input, output),
+            (32, true) => self.run_side::<32, 16, 8>(low, input, output),
+            (32, false) => self.run_side::<32, 16, 4>(low, input, output),
+            (_, true) => self.run_side::<64, 32, 8>(low, input, output),
+            (_, false) => self.run_side::<64, 32, 4>(low, input, output),
+        }
+    }
+
+    fn run_side<const N: usize, const H: usize, const L: usize>(
+        &self,
+        low: usize,
+        input: Data<'_, T>,
+        output: &mut [T],
+    ) {
+        match input {
+            Data::Forward(samples) => {
+                self.arch.dispatch(Forward::<T, N, H, L> { plan: self, low, samples, coefs: output })
+            }
+            Data::Inverse(coefs) => {
+                self.arch.dispatch(Inverse::<T, N, H, L> { plan: self, low, coefs, samples: output })
+            }
+        }
     }
 
     /// Where block number `index` starts among the samples, and the distance of its rows.
@@ -231,66 +258,71 @@ impl<T: Real> BlockDct<T> {
     }
 }
 
-/// A batch of blocks; the lengths are checked.
-struct Batch<'a, T> {
+/// A batch of blocks of side N = 2H, L columns at a time; the lengths are checked.
+struct Forward<'a, T, const N: usize, const H: usize, const L: usize> {
     plan: &'a BlockDct<T>,
     low: usize,
-    input: Data<'a, T>,
-    output: &'a mut [T],
+    samples: &'a [T],
+    coefs: &'a mut [T],
 }
 
-impl<T: Real> Batch<'_, T> {
-    /// Constant sides; `low` is constant where that pays.
+impl<T: Real, const N: usize, const H: usize, const L: usize> Forward<'_, T, N, H, L> {
     #[inline(always)]
-    fn run<const N: usize, const H: usize, const L: usize>(self) {
-        let low = self.low;
-        if low == N {
-            self.each::<N, H, L>(N);
-        } else if N == 16 && low == 4 {
-            self.each::<N, H, L>(4);
-        } else {
-            self.each::<N, H, L>(low);
-        }
-    }
-
-    #[inline(always)]
-    fn each<const N: usize, const H: usize, const L: usize>(self, low: usize) {
-        let Self { plan, input, output, .. } = self;
+    fn run(self, low: usize) {
+        let Self { plan, samples, coefs, .. } = self;
         let mut work = [[T::zero(); N]; N];
-        let pass = Pass { tables: &plan.tables, low, stride: N };
-        match input {
-            Data::Forward(samples) => {
-                for (index, coefs) in output.chunks_exact_mut(low * low).enumerate() {
-                    let (start, stride) = plan.place(index);
-                    kernels::forward::<T, N, H, L>(Pass { stride, ..pass }, &samples[start..], coefs, &mut work);
-                }
-            }
-            Data::Inverse(coefs) => {
-                for (index, coefs) in coefs.chunks_exact(low * low).enumerate() {
-                    let (start, stride) = plan.place(index);
-                    kernels::inverse::<T, N, H, L>(Pass { stride, ..pass }, coefs, &mut output[start..], &mut work);
-                }
-            }
+        for (index, coefs) in coefs.chunks_exact_mut(low * low).enumerate() {
+            let (start, stride) = plan.place(index);
+            let pass = Pass { tables: &plan.tables, low, stride };
+            kernels::forward::<T, N, H, L>(pass, &samples[start..], coefs, &mut work);
         }
     }
 }
 
-impl<T: Real> WithSimd for Batch<'_, T> {
+impl<T: Real, const N: usize, const H: usize, const L: usize> WithSimd for Forward<'_, T, N, H, L> {
+    type Output = ();
+
+    /// `low` is constant where that pays.
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        match self.low {
+            low if low == N => self.run(N),
+            4 if N == 16 => self.run(4),
+            low => self.run(low),
+        }
+    }
+}
+
+/// As [`Forward`], back.
+struct Inverse<'a, T, const N: usize, const H: usize, const L: usize> {
+    plan: &'a BlockDct<T>,
+    low: usize,
+    coefs: &'a [T],
+    samples: &'a mut [T],
+}
+
+impl<T: Real, const N: usize, const H: usize, const L: usize> Inverse<'_, T, N, H, L> {
+    #[inline(always)]
+    fn run(self, low: usize) {
+        let Self { plan, samples, coefs, .. } = self;
+        let mut work = [[T::zero(); N]; N];
+        for (index, coefs) in coefs.chunks_exact(low * low).enumerate() {
+            let (start, stride) = plan.place(index);
+            let pass = Pass { tables: &plan.tables, low, stride };
+            kernels::inverse::<T, N, H, L>(pass, coefs, &mut samples[start..], &mut work);
+        }
+    }
+}
+
+impl<T: Real, const N: usize, const H: usize, const L: usize> WithSimd for Inverse<'_, T, N, H, L> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let wide = size_of::<T>() == size_of::<f32>();
-        match self.plan.side {
-            4 => self.run::<4, 2, 4>(),
-            8 if wide => self.run::<8, 4, 8>(),
-            8 => self.run::<8, 4, 4>(),
-            16 if wide => self.run::<16, 8, 8>(),
-            16 => self.run::<16, 8, 4>(),
-            32 if wide => self.run::<32, 16, 8>(),
-            32 => self.run::<32, 16, 4>(),
-            _ if wide => self.run::<64, 32, 8>(),
-            _ => self.run::<64, 32, 4>(),
+        match self.low {
+            low if low == N => self.run(N),
+            4 if N == 16 => self.run(4),
+            low => self.run(low),
         }
     }
 }
