@@ -445,7 +445,9 @@ fn wrong_lengths_panic() {
     assert!(panics(|| maps().push_bools(&[true; 64])));
     assert!(panics(|| maps().append(&BinaryMaps::new(64).unwrap())));
     assert!(panics(|| maps().push(BinaryMap::new(&[], 64).unwrap())));
-    assert!(panics(|| drop(maps().map(1).dot(&[0.0; 65]))));
+    assert!(panics(|| {
+        maps().map(1).dot(&[0.0; 65]);
+    }));
     assert!(panics(|| {
         maps().map(0).dot(&[0.0; 64]);
     }));

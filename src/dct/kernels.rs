@@ -4,14 +4,11 @@
 //! Derivation. c_u(n−1−x) = (−1)^u c_u(x), so with s[x] = f[x] + f[n−1−x] and d[x] = f[x] − f[n−1−x], x < n/2, the odd
 //! coefficients need only d and the even ones only s, which is the same problem at n/2: n = 16 costs 8² + 4² + 2² + 1² + 1
 //! multiplications a line instead of 16². That is done down the columns, a register of columns at a time. Along the rows,
-//! whose samples lie in one register, a sample is broadcast and multiplies a row of the matrix; there one fold suffices.
-//! Inverse: the transpose, in the opposite order. The first `low` frequencies alone: the same with the other rows left out.
+//! whose samples lie in one register, a sample is broadcast and multiplies a row of the matrix: no shuffles, no fold.
+//! Inverse: the transpose, in the opposite order. The first `low` frequencies alone: the same with the others left out.
 
 use super::tables::Tables;
 use crate::Real;
-
-/// Columns, or outputs of a row, that are worked on at a time, and rows that share a broadcast matrix.
-const ROWS: usize = 4;
 
 /// What a pass needs beside its data.
 #[derive(Clone, Copy)]
@@ -23,13 +20,83 @@ pub(super) struct Pass<'a, T> {
     pub stride: usize,
 }
 
-/// One level of the fold: `x[..2H]` → its odd coefficients in `out`, its sums in `x[..H]`.
+/// Memory for one block: L columns before and after a pass, and the block between the passes.
+pub(super) struct Work<T, const N: usize, const L: usize> {
+    x: [[T; L]; N],
+    coefs: [[T; L]; N],
+    rows: [[T; N]; N],
+}
+
+impl<T: Real, const N: usize, const L: usize> Work<T, N, L> {
+    #[inline(always)]
+    pub(super) fn new() -> Self {
+        Self { x: [[T::zero(); L]; N], coefs: [[T::zero(); L]; N], rows: [[T::zero(); N]; N] }
+    }
+}
+
+/// Σ_i weights\[i\]·rows\[i\] over C terms. Each lane is one expression that ends in a store: LLVM makes a vector of it.
+#[inline(always)]
+fn sum_of<T: Real, const C: usize, const L: usize>(weights: &[T], rows: &[[T; L]], out: &mut [T; L]) {
+    let (Some(weights), Some(rows)) = (weights.first_chunk::<C>(), rows.first_chunk::<C>()) else { return };
+    for j in 0..L {
+        let mut sum = weights[0] * rows[0][j];
+        for i in 1..C {
+            sum += weights[i] * rows[i][j];
+        }
+        out[j] = sum;
+    }
+}
+
+/// Σ_i weights\[i\]·rows\[i\] over the first `count` of K terms, in that order.
+#[inline(always)]
+fn sum_first<T: Real, const K: usize, const L: usize>(
+    count: usize,
+    weights: &[T; K],
+    rows: &[[T; L]; K],
+    out: &mut [T; L],
+) {
+    match count {
+        1 => sum_of::<T, 1, L>(weights, rows, out),
+        2 => sum_of::<T, 2, L>(weights, rows, out),
+        4 => sum_of::<T, 4, L>(weights, rows, out),
+        8 => sum_of::<T, 8, L>(weights, rows, out),
+        16 => sum_of::<T, 16, L>(weights, rows, out),
+        _ => {
+            // Eight terms between a load and a store of the sum.
+            let ((weights, last_weights), (rows, last_rows)) =
+                (weights[..count].as_chunks::<8>(), rows[..count].as_chunks::<8>());
+            *out = [T::zero(); L];
+            for (weights, rows) in weights.iter().zip(rows) {
+                for j in 0..L {
+                    let mut sum = out[j];
+                    for i in 0..8 {
+                        sum += weights[i] * rows[i][j];
+                    }
+                    out[j] = sum;
+                }
+            }
+            for (&weight, row) in last_weights.iter().zip(last_rows) {
+                for j in 0..L {
+                    out[j] += weight * row[j];
+                }
+            }
+        }
+    }
+}
+
+/// How many of the frequencies (2k + 1)·step are below `low`.
+#[inline(always)]
+fn odd_below(low: usize, step: usize) -> usize {
+    (low.div_ceil(step)) / 2
+}
+
+/// One level of the fold: `x[..2H]` → its odd coefficients in `coefs`, its sums in `x[..H]`.
 #[inline(always)]
 fn analyse_level<T: Real, const N: usize, const H: usize, const L: usize>(
     low: usize,
     odd: &mut &[T],
     x: &mut [[T; L]; N],
-    out: &mut [[T; L]; N],
+    coefs: &mut [[T; L]; N],
 ) {
     if H >= N {
         return;
@@ -39,44 +106,35 @@ fn analyse_level<T: Real, const N: usize, const H: usize, const L: usize>(
     *odd = rest;
     let mut difference = [[T::zero(); L]; H];
     for i in 0..H {
-        let (a, b) = (x[i], x[2 * H - 1 - i]);
         for j in 0..L {
-            x[i][j] = a[j] + b[j];
-            difference[i][j] = a[j] - b[j];
+            let (a, b) = (x[i][j], x[2 * H - 1 - i][j]);
+            x[i][j] = a + b;
+            difference[i][j] = a - b;
         }
     }
     let (matrix, _) = level.as_chunks::<H>();
-    for k in 0..H {
-        if (2 * k + 1) * step >= low {
-            break;
-        }
-        let mut sum = [T::zero(); L];
-        for i in 0..H {
-            for j in 0..L {
-                sum[j] += matrix[k][i] * difference[i][j];
-            }
-        }
-        out[(2 * k + 1) * step] = sum;
+    for (k, weights) in matrix[..odd_below(low, step)].iter().enumerate() {
+        sum_first(H, weights, &difference, &mut coefs[(2 * k + 1) * step]);
     }
 }
 
-/// L columns: samples `x` (destroyed) → the first `low` coefficients `out`.
+/// L columns: samples `x` (destroyed) → the first `low` coefficients.
 #[inline(always)]
 fn analyse<T: Real, const N: usize, const L: usize>(
     tables: &Tables<T>,
     low: usize,
     x: &mut [[T; L]; N],
-    out: &mut [[T; L]; N],
+    coefs: &mut [[T; L]; N],
 ) {
     let odd = &mut &tables.odd[..];
-    analyse_level::<T, N, 32, L>(low, odd, x, out);
-    analyse_level::<T, N, 16, L>(low, odd, x, out);
-    analyse_level::<T, N, 8, L>(low, odd, x, out);
-    analyse_level::<T, N, 4, L>(low, odd, x, out);
-    analyse_level::<T, N, 2, L>(low, odd, x, out);
-    analyse_level::<T, N, 1, L>(low, odd, x, out);
+    analyse_level::<T, N, 32, L>(low, odd, x, coefs);
+    analyse_level::<T, N, 16, L>(low, odd, x, coefs);
+    analyse_level::<T, N, 8, L>(low, odd, x, coefs);
+    analyse_level::<T, N, 4, L>(low, odd, x, coefs);
+    analyse_level::<T, N, 2, L>(low, odd, x, coefs);
+    analyse_level::<T, N, 1, L>(low, odd, x, coefs);
     for j in 0..L {
-        out[0][j] = tables.dc * x[0][j];
+        coefs[0][j] = tables.dc * x[0][j];
     }
 }
 
@@ -94,25 +152,23 @@ fn synthesise_level<T: Real, const N: usize, const H: usize, const L: usize>(
     let step = N / 2 / H;
     let (rest, level) = odd.split_at(odd.len() - H * H);
     *odd = rest;
-    let (matrix, _) = level.as_chunks::<H>();
-    let mut difference = [[T::zero(); L]; H];
-    for i in 0..H {
-        let mut sum = [T::zero(); L];
-        for k in 0..H {
-            if (2 * k + 1) * step >= low {
-                break;
-            }
-            for j in 0..L {
-                sum[j] += matrix[k][i] * coefs[(2 * k + 1) * step][j];
-            }
+    let count = odd_below(low, step);
+    let (mut rows, mut difference) = ([[T::zero(); L]; H], [[T::zero(); L]; H]);
+    if count > 0 {
+        for k in 0..count {
+            rows[k] = coefs[(2 * k + 1) * step];
         }
-        difference[i] = sum;
+        // The matrix is symmetric.
+        let (matrix, _) = level.as_chunks::<H>();
+        for i in 0..H {
+            sum_first(count, &matrix[i], &rows, &mut difference[i]);
+        }
     }
     for i in 0..H {
-        let (even, odd) = (x[i], difference[i]);
         for j in 0..L {
-            x[i][j] = even[j] + odd[j];
-            x[2 * H - 1 - i][j] = even[j] - odd[j];
+            let (even, odd) = (x[i][j], difference[i][j]);
+            x[i][j] = even + odd;
+            x[2 * H - 1 - i][j] = even - odd;
         }
     }
 }
@@ -137,123 +193,76 @@ fn synthesise<T: Real, const N: usize, const L: usize>(
     synthesise_level::<T, N, 32, L>(low, odd, coefs, x);
 }
 
+/// A matrix in columns of L: the first chunk of each row, the second of each, …
+#[inline(always)]
+fn columns<T, const N: usize, const L: usize>(matrix: &[T], first: usize) -> &[[T; L]; N] {
+    let (rows, _) = matrix[first * N..].as_chunks::<L>();
+    rows.first_chunk::<N>().expect("a matrix is N × N")
+}
+
 /// Samples of one block → `low`² coefficients. `L` divides N.
 #[inline(always)]
-pub(super) fn forward<T: Real, const N: usize, const H: usize, const L: usize>(
+pub(super) fn forward<T: Real, const N: usize, const L: usize>(
     pass: Pass<'_, T>,
     samples: &[T],
     coefs: &mut [T],
-    work: &mut [[T; N]; N],
+    work: &mut Work<T, N, L>,
 ) {
     let Pass { tables, low, stride } = pass;
     for first in (0..N).step_by(L) {
-        let (mut x, mut out) = ([[T::zero(); L]; N], [[T::zero(); L]; N]);
-        for y in 0..N {
-            x[y].copy_from_slice(&samples[y * stride + first..][..L]);
+        if stride == N {
+            let (rows, _) = samples.as_chunks::<N>();
+            for (x, row) in work.x.iter_mut().zip(rows) {
+                x.copy_from_slice(&row[first..first + L]);
+            }
+        } else {
+            let rows = samples.chunks(stride);
+            for (x, row) in work.x.iter_mut().zip(rows) {
+                x.copy_from_slice(&row[first..first + L]);
+            }
         }
-        analyse(tables, low, &mut x, &mut out);
+        analyse(tables, low, &mut work.x, &mut work.coefs);
         for v in 0..low {
-            work[v][first..first + L].copy_from_slice(&out[v]);
+            work.rows[v][first..first + L].copy_from_slice(&work.coefs[v]);
         }
     }
-    if low == N {
-        rows_forward_all::<T, N, H>(tables, work, coefs);
-    } else {
-        rows_forward_low::<T, N>(tables, low, work, coefs);
-    }
-}
-
-/// All coefficients of the rows of `work`: even and odd ones from the sums and differences of mirrored samples.
-#[inline(always)]
-fn rows_forward_all<T: Real, const N: usize, const H: usize>(tables: &Tables<T>, work: &[[T; N]; N], coefs: &mut [T]) {
-    let (even, _) = tables.even.as_chunks::<H>();
-    let (odd, _) = tables.odd[..H * H].as_chunks::<H>();
-    let (work, _) = work.as_chunks::<ROWS>();
-    let (coefs, _) = coefs.as_chunks_mut::<N>();
-    let (coefs, _) = coefs.as_chunks_mut::<ROWS>();
-    for (rows, out) in work.iter().zip(coefs) {
-        let (mut sum, mut difference) = ([[T::zero(); H]; ROWS], [[T::zero(); H]; ROWS]);
-        for r in 0..ROWS {
-            for i in 0..H {
-                let (a, b) = (rows[r][i], rows[r][N - 1 - i]);
-                (sum[r][i], difference[r][i]) = (a + b, a - b);
-            }
-        }
-        let sum = times_matrix(&sum, even);
-        let difference = times_matrix(&difference, odd);
-        for r in 0..ROWS {
-            for k in 0..H {
-                out[r][2 * k] = sum[r][k];
-                out[r][2 * k + 1] = difference[r][k];
-            }
-        }
-    }
-}
-
-/// `x` times the matrix, whose rows belong to the elements of `x`.
-#[inline(always)]
-fn times_matrix<T: Real, const H: usize>(x: &[[T; H]; ROWS], matrix: &[[T; H]]) -> [[T; H]; ROWS] {
-    let mut out = [[T::zero(); H]; ROWS];
-    for i in 0..H {
-        for r in 0..ROWS {
-            for k in 0..H {
-                out[r][k] += x[r][i] * matrix[i][k];
-            }
-        }
-    }
-    out
-}
-
-/// The first `low` coefficients of the first `low` rows of `work`, four at a time.
-#[inline(always)]
-fn rows_forward_low<T: Real, const N: usize>(tables: &Tables<T>, low: usize, work: &[[T; N]; N], coefs: &mut [T]) {
-    let (matrix, _) = tables.by_sample.as_chunks::<N>();
-    for u in (0..low).step_by(ROWS) {
-        let count = ROWS.min(low - u);
+    for first in (0..low).step_by(L) {
+        let (matrix, count) = (columns::<T, N, L>(&tables.by_sample, first), L.min(low - first));
         for v in 0..low {
-            let mut sum = [T::zero(); ROWS];
-            for x in 0..N {
-                for j in 0..ROWS {
-                    sum[j] += work[v][x] * matrix[x][u + j];
-                }
-            }
-            coefs[v * low + u..][..count].copy_from_slice(&sum[..count]);
+            let mut out = [T::zero(); L];
+            sum_first(N, &work.rows[v], matrix, &mut out);
+            coefs[v * low + first..][..count].copy_from_slice(&out[..count]);
         }
     }
 }
 
 /// `low`² coefficients → samples of one block. `L` divides N.
 #[inline(always)]
-pub(super) fn inverse<T: Real, const N: usize, const H: usize, const L: usize>(
+pub(super) fn inverse<T: Real, const N: usize, const L: usize>(
     pass: Pass<'_, T>,
     coefs: &[T],
     samples: &mut [T],
-    work: &mut [[T; N]; N],
+    work: &mut Work<T, N, L>,
 ) {
     let Pass { tables, low, stride } = pass;
-    let (matrix, _) = tables.by_frequency.as_chunks::<N>();
-    for v in 0..low {
-        let row = &coefs[v * low..][..low];
-        let (mut even, mut odd) = ([T::zero(); H], [T::zero(); H]);
-        for u in 0..low {
-            let sum = if u % 2 == 0 { &mut even } else { &mut odd };
-            for x in 0..H {
-                sum[x] += row[u] * matrix[u][x];
-            }
-        }
-        for x in 0..H {
-            work[v][x] = even[x] + odd[x];
-            work[v][N - 1 - x] = even[x] - odd[x];
-        }
-    }
+    let mut row = [T::zero(); N];
     for first in (0..N).step_by(L) {
-        let (mut x, mut out) = ([[T::zero(); L]; N], [[T::zero(); L]; N]);
+        let matrix = columns::<T, N, L>(&tables.by_frequency, first);
         for v in 0..low {
-            x[v].copy_from_slice(&work[v][first..first + L]);
+            row[..low].copy_from_slice(&coefs[v * low..][..low]);
+            sum_first(low, &row, matrix, &mut work.coefs[v]);
         }
-        synthesise(tables, low, &x, &mut out);
-        for y in 0..N {
-            samples[y * stride + first..][..L].copy_from_slice(&out[y]);
+        synthesise(tables, low, &work.coefs, &mut work.x);
+        if stride == N {
+            let (rows, _) = samples.as_chunks_mut::<N>();
+            for (x, row) in work.x.iter().zip(rows) {
+                row[first..first + L].copy_from_slice(x);
+            }
+        } else {
+            let rows = samples.chunks_mut(stride);
+            for (x, row) in work.x.iter().zip(rows) {
+                row[first..first + L].copy_from_slice(x);
+            }
         }
     }
 }

@@ -26,18 +26,16 @@ pub(super) fn basis(n: usize, u: usize, x: usize) -> f64 {
 pub(super) struct Tables<T> {
     /// For half-lengths n/2, n/4, …, 1: the basis functions that change sign under reflection, [frequency][x], symmetric.
     pub odd: Vec<T>,
-    /// The even functions of the first half: [x][u/2].
-    pub even: Vec<T>,
-    /// The basis, [x][u].
+    /// The basis as [x][u], in columns of `lanes`: the first `lanes` of each row, the next of each, …
     pub by_sample: Vec<T>,
-    /// The basis, [u][x].
+    /// The same of [u][x].
     pub by_frequency: Vec<T>,
     /// 1/√n.
     pub dc: T,
 }
 
 impl<T: Real> Tables<T> {
-    pub(super) fn new(n: usize) -> Self {
+    pub(super) fn new(n: usize, lanes: usize) -> Self {
         let mut odd = Vec::new();
         let (mut half, mut step) = (n / 2, 1);
         while half > 0 {
@@ -50,12 +48,15 @@ impl<T: Real> Tables<T> {
             step *= 2;
         }
         debug_assert_eq!(step, n);
-        let half = n / 2;
+        // (row, column) of the number at i.
+        let place = |i: usize| (i / lanes % n, i / (lanes * n) * lanes + i % lanes);
+        let in_columns = |value: &dyn Fn(usize, usize) -> f64| {
+            (0..n * n).map(place).map(|(row, column)| T::of(value(row, column))).collect()
+        };
         Self {
             odd,
-            even: (0..half * half).map(|i| T::of(basis(n, 2 * (i % half), i / half))).collect(),
-            by_sample: (0..n * n).map(|i| T::of(basis(n, i % n, i / n))).collect(),
-            by_frequency: (0..n * n).map(|i| T::of(basis(n, i / n, i % n))).collect(),
+            by_sample: in_columns(&|x, u| basis(n, u, x)),
+            by_frequency: in_columns(&|u, x| basis(n, u, x)),
             dc: T::of((1.0 / n as f64).sqrt()),
         }
     }
