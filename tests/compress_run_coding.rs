@@ -487,7 +487,7 @@ fn a_sun_in_the_block_needs_wide_sums() {
 
 /// Changes and bytes a block of 16 × 16 in each order, over blocks cut from occluded 64 × 64 faces.
 #[test]
-fn paths_of_neighbours_save_a_fifth() {
+fn paths_of_neighbours_save_two_changes_in_five() {
     let side = 64;
     let mut stats = Vec::new();
     for order in [ScanOrder::RowMajor, ScanOrder::Serpentine, ScanOrder::Hilbert] {

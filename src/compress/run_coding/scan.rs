@@ -5,7 +5,7 @@ use crate::{Error, Result};
 
 /// A path through the pixels of a map.
 ///
-/// On 16 × 16 blocks of visibility, neighbouring paths save a fifth of the changes (docs/compress.md).
+/// On 16 × 16 blocks behind half-planes and discs, paths of neighbours save two changes in five (docs/compress.md).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ScanOrder {
     /// Row by row, each from the left.
