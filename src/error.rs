@@ -58,6 +58,15 @@ pub enum Error {
         /// What is wrong with it, and the forms that are allowed.
         reason: String,
     },
+    /// Bytes are not what they should be: cut short, followed by more, out of range or not as a writer would write them.
+    Damaged {
+        /// What the bytes should hold.
+        what: &'static str,
+        /// The byte where that shows.
+        offset: usize,
+        /// What is wrong there.
+        reason: &'static str,
+    },
     /// The caller's `Progress` asked to stop.
     Cancelled,
     /// A file or stream could not be read or written.
@@ -82,6 +91,7 @@ impl std::fmt::Display for Error {
             Self::NotFinite { what, index } => write!(f, "{what} number {index} is NaN or infinite"),
             Self::Empty { what } => write!(f, "{what} is empty"),
             Self::Syntax { what, given, reason } => write!(f, "{what} '{given}': {reason}"),
+            Self::Damaged { what, offset, reason } => write!(f, "{what}, byte {offset}: {reason}"),
             Self::Cancelled => f.write_str("cancelled by the caller"),
             Self::File { path, place, reason } if place.is_empty() => write!(f, "{}: {reason}", path.display()),
             Self::File { path, place, reason } => write!(f, "{}, {place}: {reason}", path.display()),

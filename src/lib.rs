@@ -7,11 +7,12 @@
 //! |---|---|---|
 //! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
 //! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
-//! | [`sh`] | spherical harmonics: the real basis, its gradient, sums over it, conventions; the triple-product tensor, products | |
+//! | [`sh`] | spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, lights | |
+//! | [`dct`] | block cosine transforms, their lowest frequencies from few samples, product integrals | |
 //! | [`table`] | summed-area tables; visibility distance tables and the share of a square that is visible | |
+//! | [`compress`] | maps by their changes (run coding), biclustering of sparse matrices of few values | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
-//! | [`compress`] | biclustering of sparse matrices of few values | |
-//! | [`numeric`] | Gauss–Legendre rules, careful sums | |
+//! | [`numeric`] | Gauss–Legendre rules, Legendre polynomials, careful sums | |
 #![cfg_attr(
     feature = "scene",
     doc = "| [`scene`] | meshes, procedural scenes, BRDFs, lights, visibility, ground truth, metrics | `scene` |"
@@ -55,6 +56,10 @@
 //! | any number of sparse functions | their product or its integral | [`haar::NFoldProduct`] |
 //! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
 //! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
+//! | an environment, few numbers | its harmonics, and the irradiance that they give | [`sh::CubeProjection`], [`sh::Irradiance`] |
+//! | blockers that move | their common visibility | [`sh::CapLog`], [`sh::Exponential`] |
+//! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
+//! | a sparse matrix of few values | a cheaper way to multiply by it | [`compress::Biclustering`] |
 //! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
 //! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet::DoubleRelighter` |
 //! | a static scene | new light, view and materials in each frame | `backend::wavelet::TripleRelighter` |
@@ -94,6 +99,7 @@ pub mod affine;
 #[cfg(feature = "wavelet")]
 pub mod backend;
 pub mod compress;
+pub mod dct;
 pub mod haar;
 #[cfg(feature = "io")]
 pub mod io;

@@ -3,10 +3,17 @@
 //! | you have | use |
 //! |---|---|
 //! | a sparse matrix whose entries take few values, such as down-sampled visibility | [`Biclustering`]: lossless, and cheaper to multiply by |
+//! | binary maps with long runs, such as visibility, to be multiplied by ever new lights | [`BinaryMaps`]: lossless, a dot product costs one look-up a change |
+//! | the same, anti-aliased | [`GrayMaps`] |
 
 mod bicluster;
+mod run_coding;
 
 pub use bicluster::{
     Bicluster, BiclusterMove, BiclusterMultiplier, BiclusterSettings, BiclusterStats, BiclusterStep, BiclusterTrace,
     Biclustering, Seeds, SparseMatrix,
+};
+pub use run_coding::{
+    BinaryMap, BinaryMaps, GrayMap, GrayMaps, GraySpans, MapIndex, MapState, RunStats, Runs, Sample, Scan, ScanOrder,
+    decode_gaps, encode_gaps, suffix_sums,
 };

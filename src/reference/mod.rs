@@ -2,6 +2,7 @@
 
 pub mod affine;
 pub mod compress;
+pub mod dct;
 pub mod haar;
 #[cfg(feature = "scene")]
 pub mod scene;

@@ -6,6 +6,7 @@
 
 mod affine;
 mod bicluster;
+mod compress;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
@@ -16,6 +17,7 @@ mod table;
 
 pub use affine::{affine_map, dyadic_map};
 pub use bicluster::block_matrix;
+pub use compress::{level_map, run_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};

@@ -1,5 +1,7 @@
 //! Twins of [`compress`](crate::compress).
 
 mod bicluster;
+mod run_coding;
 
 pub use bicluster::{NaiveBicluster, bicluster, bicluster_saving, bicluster_values, first_nonzero, multiply_levels};
+pub use run_coding::{differences, hilbert, integrate, suffix_sums, varint};
