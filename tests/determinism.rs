@@ -15,7 +15,10 @@ use haarmonic::scene::{
     EnvironmentLight, GroundTruth, Materials, Phong, Procedural, Sky, TexelVisibility, View, VisibilityBaker,
     VisibilitySettings,
 };
-use haarmonic::sphere::CubeGrid;
+use haarmonic::sh::{
+    CubeProjection, CubeReconstruction, LatLongProjection, LatLongReconstruction, TexelRule, monte_carlo,
+};
+use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap};
 
 fn hash(values: impl IntoIterator<Item = u64>) -> u64 {
     let mut hasher = DefaultHasher::new();
@@ -27,8 +30,30 @@ fn bits(radiance: &[Vector3<f32>]) -> u64 {
     hash(radiance.iter().flat_map(|l| l.iter().map(|c| u64::from(c.to_bits())).collect::<Vec<_>>()))
 }
 
-/// Light, visibility, ground truth, double product, triple product sampled and tabulated.
-fn hashes() -> [u64; 6] {
+/// Spherical harmonics: maps to coefficients and back, Monte Carlo.
+fn harmonics() -> u64 {
+    let colour = |d: &Vector3<f64>| d.map(|c| (3.0 * c).exp() as f32);
+    let (cube, lat_long) = (CubeGrid::new(19).unwrap(), LatLongGrid::new(50, 23).unwrap());
+    let mut all: Vec<u64> = Vec::new();
+    for rule in [TexelRule::Centre, TexelRule::Mean] {
+        let map = CubeMap::from_fn(cube, |d| colour(&d));
+        let c = CubeProjection::new(cube, 6, rule).unwrap().project(&map);
+        let refs = c.each_ref().map(|c| &c[..]);
+        let back: CubeMap<Vector3<f32>> = CubeReconstruction::new(cube, 6, rule).unwrap().reconstruct(refs);
+        let map = LatLongMap::from_fn(lat_long, |d| colour(&d));
+        let d = LatLongProjection::new(lat_long, 6, rule).unwrap().project(&map);
+        let refs = d.each_ref().map(|c| &c[..]);
+        let other: LatLongMap<Vector3<f32>> = LatLongReconstruction::new(lat_long, 6, rule).unwrap().reconstruct(refs);
+        all.extend(c.iter().chain(&d).flatten().map(|c| u64::from(c.to_bits())));
+        all.extend([bits(back.texels()), bits(other.pixels())]);
+    }
+    let estimate = monte_carlo(5, 1000, 3, |d| [d.x.max(0.0)]).unwrap();
+    all.extend(estimate.coefficients.iter().chain(&estimate.errors).flatten().map(|c| c.to_bits()));
+    hash(all)
+}
+
+/// Light, visibility, ground truth, double product, triple product sampled and tabulated, harmonics.
+fn hashes() -> [u64; 7] {
     let model = Procedural::TorusKnotOnFloor.build(1000).unwrap();
     let grid = CubeGrid::new(16).unwrap();
     let materials = Materials::uniform(Phong::new([0.7, 0.5, 0.3], 15.0).unwrap());
@@ -56,7 +81,15 @@ fn hashes() -> [u64; 6] {
         bits(&out)
     });
     let truth = hash(truth.iter().flat_map(|l| l.iter().map(|c| c.to_bits()).collect::<Vec<_>>()));
-    [bits(light.texels()), hash(visibility.words().iter().copied()), truth, by_double, triple[0], triple[1]]
+    [
+        bits(light.texels()),
+        hash(visibility.words().iter().copied()),
+        truth,
+        by_double,
+        triple[0],
+        triple[1],
+        harmonics(),
+    ]
 }
 
 /// Where the build with threads leaves its hashes for the build without.

@@ -12,7 +12,6 @@ mod scene;
 #[path = "../support/mod.rs"]
 mod support;
 
-use std::fmt::Display;
 use std::process::ExitCode;
 
 use args::Args;
@@ -20,11 +19,6 @@ use clap::Parser;
 use methods::Run;
 use scene::Scene;
 use support::Failure;
-
-/// Says something on standard error that does not end the program.
-pub fn warn(warning: &impl Display) {
-    eprintln!("warning: {warning}");
-}
 
 fn main() -> ExitCode {
     support::exit(run(&Args::parse()))

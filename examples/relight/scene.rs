@@ -1,17 +1,14 @@
 //! What is lit, by what, and how it reflects.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use haarmonic::io;
 use haarmonic::nalgebra::{Rotation3, Vector3};
-use haarmonic::scene::{
-    Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materials, Mesh, Phong, Procedural, Sky, Sum,
-};
+use haarmonic::scene::{Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materials, Mesh, Phong, Procedural, Sum};
 
 use crate::args::{Args, BuiltIn};
 use crate::support::Failure;
-use crate::warn;
+use crate::support::environment::{environment, file_name, warn};
 
 /// The scene as the command line describes it.
 pub struct Scene {
@@ -72,10 +69,6 @@ pub fn turn(degrees: f64) -> Rotation3<f64> {
 
 const FIELD_OF_VIEW: f64 = 0.6;
 
-fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
 fn diffuse() -> Lambert {
     Lambert::new(Vector3::repeat(0.8)).expect("an albedo below 1 is allowed")
 }
@@ -92,21 +85,4 @@ fn palette(names: &[&str], parts: Vec<u32>) -> Result<Materials, Failure> {
         Ok(Arc::new(Sum::new(vec![(1.0, body), (1.0, gloss)])?))
     };
     Ok(Materials::new(names.iter().enumerate().map(brdf).collect::<Result<_, _>>()?, parts)?)
-}
-
-fn environment(name: &str) -> Result<(String, EnvironmentLight), Failure> {
-    let sky = match name {
-        "sky" => Some(Sky::default()),
-        "sunset" => Some(Sky::sunset()),
-        "studio" => Some(Sky::studio()),
-        _ => None,
-    };
-    match sky {
-        Some(sky) => Ok((name.to_owned(), EnvironmentLight::from_sky(sky)?)),
-        None => {
-            let loaded = io::load_environment(name)?;
-            loaded.warnings.iter().for_each(warn);
-            Ok((file_name(Path::new(name)), loaded.value))
-        }
-    }
 }

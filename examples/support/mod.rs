@@ -1,6 +1,8 @@
 //! What the examples share: progress bars, tables, contact sheets, reports.
 #![allow(dead_code, reason = "each example uses its own share of this")]
 
+#[cfg(feature = "io")]
+pub mod environment;
 pub mod plot;
 pub mod progress;
 pub mod sheet;

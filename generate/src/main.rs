@@ -2,11 +2,14 @@
 //!
 //! `cargo run --release -p haarmonic-generate [-- --check]` from anywhere in the workspace.
 
+mod optimal_linear;
 mod output;
+mod product;
+mod quadrature;
+mod tensor;
+mod text;
 
 use std::process::ExitCode;
-
-use output::Output;
 
 fn main() -> ExitCode {
     let check = match std::env::args().nth(1).as_deref() {
@@ -14,7 +17,7 @@ fn main() -> ExitCode {
         Some("--check") => true,
         Some(other) => return fail(&format!("{other}: the only argument is --check")),
     };
-    let outputs: Vec<Output> = Vec::new();
+    let outputs = [vec![optimal_linear::table()], product::outputs()].into_iter().flatten();
     for output in outputs {
         let done = if check { output.check() } else { output.write() };
         if let Err(message) = done {

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 /// Text for a file below the root of the repository.
 pub struct Output {
-    pub path: &'static str,
+    pub path: String,
     pub text: String,
 }
 
 impl Output {
     fn full_path(&self) -> PathBuf {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(self.path)
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(&self.path)
     }
 
     /// Writes the file.

@@ -1,9 +1,12 @@
-//! Quadrature, careful sums and other numerical ground work.
+//! Quadrature, Legendre polynomials, careful sums and other numerical ground work.
 
+mod legendre;
 mod quadrature;
 mod safe;
 mod sum;
 
+pub(crate) use legendre::LegendreSteps;
+pub use legendre::{legendre, legendre_all, legendre_slopes};
 pub use quadrature::GaussLegendre;
 pub use safe::{safe_acos, safe_asin, safe_sqrt};
 pub use sum::CompensatedSum;

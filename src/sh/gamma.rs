@@ -170,13 +170,21 @@ pub(super) fn partners(i: usize, k: usize, bands: usize, mut emit: impl FnMut(us
 /// The parts of three expansions that can meet in a triple product, as bands.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] if one of `bands` is 0 or the degrees that meet add up to more than 126.
-pub(super) fn check_degrees(bands: [usize; 3]) -> Result<[usize; 3]> {
+/// [`Error::OutOfRange`] if one of `bands` is 0.
+pub(super) fn met(bands: [usize; 3]) -> Result<[usize; 3]> {
     if bands.contains(&0) {
         return Err(Error::OutOfRange { what: "bands", got: 0.0, allowed: "at least 1" });
     }
     let [a, b, c] = bands;
-    let met = [a.min((b - 1).saturating_add(c)), b.min((a - 1).saturating_add(c)), c.min((a - 1).saturating_add(b))];
+    Ok([a.min((b - 1).saturating_add(c)), b.min((a - 1).saturating_add(c)), c.min((a - 1).saturating_add(b))])
+}
+
+/// The parts that can [meet](met), if Γ can be had for all of them.
+///
+/// # Errors
+/// [`Error::OutOfRange`] if one of `bands` is 0 or the degrees that meet add up to more than 126.
+pub(super) fn check_degrees(bands: [usize; 3]) -> Result<[usize; 3]> {
+    let met = met(bands)?;
     // l₁ + l₂ + l₃ is even: an odd sum of the largest degrees is not reached.
     let degrees = met.iter().fold(0usize, |sum, n| sum.saturating_add(n - 1)) & !1;
     if degrees > MAX_DEGREE_SUM {

@@ -1,4 +1,4 @@
-//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions.
+//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions; zonal functions and lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
 //! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
@@ -11,6 +11,12 @@
 //! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
+//! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
+//! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
+//! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |
+//! | samples anywhere | the best fit | [`ScatteredFit`] |
+//! | an expansion | its least and greatest value, certified | [`Extrema`] |
+//! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
 //! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
 //! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
@@ -18,6 +24,10 @@
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
 //! | three | ∫ f g h | [`Product::integral`] |
+//! | a function of the angle to an axis: cosine, lobe, cap, von Mises–Fisher | its coefficients about any axis; convolution with it | [`Zonal`] |
+//! | a sun, a sky, a glowing ball | its coefficients, in the units you mean | [`Lights`] |
+//! | a polygon that glows | its coefficients from any point, clipped by the horizon | [`PolygonLight`] |
+//! | radiance | irradiance for many normals; with a visibility for each | [`Irradiance`]; [`DiffuseLight`] and its table |
 //! | curiosity | ∫ y_i y_j y_k, all that are not zero | [`gamma`], [`TripleTensor`] |
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
@@ -27,17 +37,36 @@
 
 mod basis;
 mod convention;
+mod exponential;
 mod gamma;
 mod index;
 mod kernel;
 mod kernel_gradient;
 mod kernel_hessian;
+mod legendre;
+mod light;
 mod product;
+mod project;
 mod rotate;
+mod zonal;
 
 pub use basis::{Basis, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
+pub use exponential::{
+    CapFit, CapLog, ExpMethod, Exponential, GridFunction, LogMethod, Logarithm, OptimalLinear, Powers, ProductSeries,
+    ProductSpectrum,
+};
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
+pub use legendre::associated_legendre;
+pub use light::{
+    DiffuseLight, DiffuseLightTable, Irradiance, Light, Lights, Measure, PolygonLight, PolygonScratch, Sides,
+};
 pub use product::{Product, Square};
+pub use project::{
+    Channels, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, Extremum, LatLongProjection,
+    LatLongReconstruction, MonteCarlo, ScatteredFit, TexelRule, Window, monte_carlo, project_cube, project_fn,
+    project_fn_channels, project_lat_long,
+};
 pub use rotate::{Rotation, Rotator, rotate_z, rotate_z_batch};
+pub use zonal::{VonMisesFisher, Zonal};

@@ -9,6 +9,7 @@ mod haar;
 #[cfg(feature = "scene")]
 mod scene;
 mod sh;
+mod sh_visibility;
 mod sphere;
 
 pub use affine::{affine_map, dyadic_map};
@@ -16,4 +17,5 @@ pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
 pub use sh::sh_vector;
+pub use sh_visibility::{discs, sh_visibility};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};

@@ -1,0 +1,41 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+
+/// Exponentials of spherical harmonic expansions: error and time of every method, on unions of discs.
+///
+/// Without arguments: bands 2 to 6, pictures in out/sh_exp.
+#[derive(Debug, Parser)]
+#[command(version, name = "sh_exp")]
+pub struct Args {
+    /// Folder of the pictures
+    #[arg(long, value_name = "DIR", default_value = "out/sh_exp")]
+    pub out: PathBuf,
+
+    /// Number of unions
+    #[arg(long, value_name = "K", default_value_t = 512)]
+    pub vectors: usize,
+
+    /// Also write the figures as JSON
+    #[arg(long, value_name = "R.json")]
+    pub report: Option<PathBuf>,
+
+    /// Threads (default: all cores)
+    #[arg(long, value_name = "T")]
+    pub threads: Option<usize>,
+}
+
+impl Args {
+    /// What the types of the options do not say.
+    pub fn check(&self) -> Result<(), String> {
+        if !(8..=100_000).contains(&self.vectors) {
+            return Err(format!("--vectors must be in 8...100000, got {}", self.vectors));
+        }
+        if self.threads == Some(0) {
+            return Err("--threads must be at least 1".to_owned());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,80 @@
+//! Exponentials of spherical harmonic expansions: error and time of every method.
+//!
+//! `cargo run --release --features io --example sh_exp` takes unions of 1 to 8 discs, adds up the logarithms of their visibilities, takes
+//! exp by every method, and compares with the projection of the true visibility [Sun 2008, §5.2]. It prints a table for each number of bands and
+//! draws error against ‖f̂‖ and against time. `--help` lists the options.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
+
+mod args;
+mod charts;
+mod measure;
+mod scenes;
+#[path = "../support/mod.rs"]
+mod support;
+mod trips;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use args::Args;
+use clap::Parser;
+use haarmonic::io;
+use measure::Measured;
+use scenes::Scenes;
+use serde_json::json;
+use support::Failure;
+use support::progress::Bar;
+use support::sheet::Sheet;
+
+fn main() -> ExitCode {
+    support::exit(run(&Args::parse()))
+}
+
+fn run(args: &Args) -> Result<(), Failure> {
+    args.check()?;
+    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    support::limit_threads(args.threads)?;
+    let bar = Bar::new("project visibility");
+    let scenes = Scenes::new(args.vectors, *scenes::BANDS.end(), &bar)?;
+    bar.finish();
+
+    let bar = Bar::new("measure exponentials");
+    let mut measured = Vec::new();
+    for bands in scenes::BANDS {
+        measured.push(Measured::new(bands, &scenes)?);
+        haarmonic::Progress::advance(&bar, measured.len(), scenes::BANDS.count());
+    }
+    bar.finish();
+    println!("{} unions of 1 to 8 discs of half angles {:?}\n", args.vectors, scenes::ANGLES);
+    for measured in &measured {
+        println!("{} bands: mean relative L2 error against the projected visibility, by |f^|\n", measured.bands);
+        println!("{}", measured.table());
+    }
+    save(&args.out, "sh_exp_error.png", &charts::errors(&measured))?;
+    save(&args.out, "sh_exp_time.png", &charts::times(&measured))?;
+
+    let trips = trips::measure(&scenes)?;
+    println!(
+        "exp(log g) for the visibility g of one disc, and of the unions: mean relative L2 error\n\n{}",
+        trips.table()
+    );
+
+    if let Some(path) = &args.report {
+        let report = json!({
+            "example": "sh_exp",
+            "version": env!("CARGO_PKG_VERSION"),
+            "threads": rayon::current_num_threads(),
+            "vectors": args.vectors,
+            "results": measured.iter().flat_map(Measured::report).collect::<Vec<_>>(),
+            "round_trips": trips.report(),
+        });
+        let text = serde_json::to_string_pretty(&report)? + "\n";
+        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+    }
+    println!("pictures: sh_exp_error.png, sh_exp_time.png in {}", args.out.display());
+    Ok(())
+}
+
+fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
+    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
+}
