@@ -18,6 +18,10 @@ pub struct Args {
     #[arg(long, value_name = "K", default_value_t = 512)]
     pub vectors: usize,
 
+    /// Largest half angle of a disc, in radians; the smallest is 0.2
+    #[arg(long, value_name = "RAD", default_value_t = 0.75)]
+    pub largest: f64,
+
     /// Also write the figures as JSON
     #[arg(long, value_name = "R.json")]
     pub report: Option<PathBuf>,
@@ -32,6 +36,9 @@ impl Args {
     pub fn check(&self) -> Result<(), String> {
         if !(8..=100_000).contains(&self.vectors) {
             return Err(format!("--vectors must be in 8...100000, got {}", self.vectors));
+        }
+        if !(self.largest > 0.2 && self.largest <= 1.5) {
+            return Err(format!("--largest must be above 0.2 and at most 1.5, got {}", self.largest));
         }
         if self.threads == Some(0) {
             return Err("--threads must be at least 1".to_owned());

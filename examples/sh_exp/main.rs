@@ -35,7 +35,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
     support::limit_threads(args.threads)?;
     let bar = Bar::new("project visibility");
-    let scenes = Scenes::new(args.vectors, *scenes::BANDS.end(), &bar)?;
+    let scenes = Scenes::new(args.vectors, args.largest, *scenes::BANDS.end(), &bar)?;
     bar.finish();
 
     let bar = Bar::new("measure exponentials");
@@ -45,7 +45,7 @@ fn run(args: &Args) -> Result<(), Failure> {
         haarmonic::Progress::advance(&bar, measured.len(), scenes::BANDS.count());
     }
     bar.finish();
-    println!("{} unions of 1 to 8 discs of half angles {:?}\n", args.vectors, scenes::ANGLES);
+    println!("{} unions of 1 to 8 discs of half angles {} to {}\n", args.vectors, scenes::SMALLEST, args.largest);
     for measured in &measured {
         println!("{} bands: mean relative L2 error against the projected visibility, by |f^|\n", measured.bands);
         println!("{}", measured.table());
@@ -65,6 +65,7 @@ fn run(args: &Args) -> Result<(), Failure> {
             "version": env!("CARGO_PKG_VERSION"),
             "threads": rayon::current_num_threads(),
             "vectors": args.vectors,
+            "half_angles": [scenes::SMALLEST, args.largest],
             "results": measured.iter().flat_map(Measured::report).collect::<Vec<_>>(),
             "round_trips": trips.report(),
         });

@@ -12,8 +12,8 @@ use crate::support::Failure;
 
 /// Sizes that are measured.
 pub const BANDS: std::ops::RangeInclusive<usize> = 2..=6;
-/// Half angles of the discs, from and to.
-pub const ANGLES: [f64; 2] = [0.2, 0.75];
+/// The smallest half angle of a disc.
+pub const SMALLEST: f64 = 0.2;
 /// Degree of the rule that projects the unions: 128 rings of 256 points, an error of 1e-3 at their edges.
 const DEGREE: usize = 255;
 
@@ -32,14 +32,14 @@ pub struct Scenes {
 }
 
 impl Scenes {
-    /// `count` unions of 1, 2, … 8, 1, 2, … discs.
-    pub fn new(count: usize, bands: usize, progress: &dyn Progress) -> Result<Self, Failure> {
+    /// `count` unions of 1, 2, … 8, 1, 2, … discs of half angles up to `largest`.
+    pub fn new(count: usize, largest: f64, bands: usize, progress: &dyn Progress) -> Result<Self, Failure> {
         let mut random = Random(1);
         let mut disc = || {
             let (z, phi) = (2.0 * random.next() - 1.0, 2.0 * PI * random.next());
             let across = (1.0 - z * z).sqrt();
             let axis = UnitVector3::new_normalize(Vector3::new(across * phi.cos(), across * phi.sin(), z));
-            Disc { axis, angle: ANGLES[0] + (ANGLES[1] - ANGLES[0]) * random.next() }
+            Disc { axis, angle: SMALLEST + (largest - SMALLEST) * random.next() }
         };
         let discs: Vec<Vec<Disc>> = (0..count).map(|k| (0..k % 8 + 1).map(|_| disc()).collect()).collect();
         let rule = SphereQuadrature::new(DEGREE)?;

@@ -28,6 +28,9 @@
 //! | a sun, a sky, a glowing ball | its coefficients, in the units you mean | [`Lights`] |
 //! | a polygon that glows | its coefficients from any point, clipped by the horizon | [`PolygonLight`] |
 //! | radiance | irradiance for many normals; with a visibility for each | [`Irradiance`]; [`DiffuseLight`] and its table |
+//! | logarithms of visibility, added up | the visibility: exp | [`Exponential`], whose page says by which method |
+//! | visibility | its logarithm | [`Logarithm`]; of a disc by its angle, tabulated, [`CapLog`] |
+//! | one, and any function h | h of it | [`GridFunction`]; by products [`ProductSeries`], [`ProductSpectrum`] |
 //! | curiosity | ∫ y_i y_j y_k, all that are not zero | [`gamma`], [`TripleTensor`] |
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
