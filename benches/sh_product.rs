@@ -20,7 +20,7 @@ fn numbers<T: Real>(len: usize) -> Vec<T> {
 
 /// Vectors that fit the nearest caches, an odd number of registers so that rows do not share cache sets.
 fn batch_size(size: usize) -> usize {
-    ((2000 / size).max(8) / 8 + 1) / 2 * 16 - 8
+    ((2000 / size).max(8) / 8).div_ceil(2) * 16 - 8
 }
 
 fn forms<T: Real>(c: &mut Criterion, name: &str) {

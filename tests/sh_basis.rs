@@ -393,10 +393,9 @@ fn hessian_against_differences() {
             }
         }
         let l = bands as f64;
-        eprintln!("hessian {bands}: {error:e} {error32:e} {radial:e} {trace:e}");
-        // The differences: truncation of (l step)^6/560 l^2 √(l/2π) with l·step < 0.12; rounding 1e-15 (l/0.12)².
-        assert_below(error, 1e-8 * l * l, &format!("Hessian, bands {bands}"));
-        assert_below(error32, 1e-6 * l * l * l, &format!("Hessian in f32, bands {bands}"));
+        // The differences: truncation of (l step)^6/560 l² √(l/2π) with l·step < 0.12. Measured: 1.4e-7 at 11 bands; f32 1.3e-4.
+        assert_below(error, 5e-11 * l.powi(4), &format!("Hessian, bands {bands}"));
+        assert_below(error32, 5e-8 * l.powi(4), &format!("Hessian in f32, bands {bands}"));
         // |ω|² is 1 to 2 eps, times second derivatives of Y up to l² √l.
         assert_below(radial, 1e-15 * l * l * l, "radial part");
         assert_below(trace, 1e-15 * l * l * l, "Laplacian");
@@ -421,8 +420,7 @@ fn hessian_energy() {
         let lambda = (degree_order(i).0 * (degree_order(i).0 + 1)) as f64;
         error = error.max((e / (lambda * (lambda - 1.0)) - 1.0).abs());
     }
-    eprintln!("hessian energy {error:e}");
-    assert_below(error, 1e-12, "energy");
+    assert_below(error, 1.5e-13, "energy");
 }
 
 /// Only m = ±1 has a gradient at a pole.

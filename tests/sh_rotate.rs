@@ -97,9 +97,8 @@ fn golden_errors<T: Real>() -> f64 {
 #[test]
 fn golden_rotation() {
     // The golden matrices and quaternions are rounded: l eps/2 and a little arithmetic.
-    eprintln!("{:e} {:e}", golden_errors::<f64>(), golden_errors::<f32>());
-    assert_below(golden_errors::<f64>(), 1e-13, "f64");
-    assert_below(golden_errors::<f32>(), 1e-5, "f32");
+    assert_below(golden_errors::<f64>(), 1e-14, "f64");
+    assert_below(golden_errors::<f32>(), 4e-6, "f32");
 }
 
 /// Every block against quadrature, degenerate rotations included; and the sums of a Rotator.
@@ -156,7 +155,6 @@ fn turns() -> Vec<Rotation3<f64>> {
 fn twin() {
     for bands in [1, 2, 3, 4, 5, 6, 7, 13] {
         let errors = [twin_errors::<f64>(bands), twin_errors::<f32>(bands)];
-        eprintln!("{bands} {errors:?}");
         // The twin's own rounding of the direction, l eps/2 times a slope; a f32 matrix is orthogonal to 1e-7 only.
         assert_below(errors[0], 1e-15 * bands as f64, &format!("f64, bands {bands}"));
         assert_below(errors[1], 4e-7 * bands as f64, &format!("f32, bands {bands}"));
@@ -170,7 +168,7 @@ fn multiply(a: &[f64], b: &[f64], size: usize) -> Vec<f64> {
 /// M(R₁R₂) = M(R₁) M(R₂) and M Mᵀ = 1.
 #[test]
 fn group_law_and_inverse() {
-    for (bands, tolerance, own) in [(16, 2e-14, 1e-14), (64, 1e-13, 3e-14), (128, 2e-13, 6e-14)] {
+    for (bands, tolerance, own) in [(16, 1e-14, 1e-14), (64, 3e-14, 4e-14), (128, 8e-14, 8e-14)] {
         let (a, b) = (turns()[1], turns()[2]);
         let [ma, mb, mab] = [a, b, a * b].map(|r| Rotation::<f64>::new(bands, &r).unwrap());
         let back = ma.inverse();
@@ -181,8 +179,8 @@ fn group_law_and_inverse() {
             let one: Vec<f64> = (0..size * size).map(|k| f64::from(u8::from(k / size == k % size))).collect();
             unit = unit.max(worst(&multiply(ma.block(l), back.block(l), size), &one));
         }
-        eprintln!("{bands}: law {law:e} inverse {unit:e}");
-        // Rounding of a, b and a·b moves degree l by l eps or so.
+        // Rounding of a, b and a·b moves degree l by l eps or so, as does that of the powers of each turn. Measured: 1.7e-15, 4.1e-15,
+        // 1.9e-14; inverse 3.6e-15, 1.2e-14, 2.0e-14.
         assert_below(law, tolerance, "group law");
         assert_below(unit, own, "inverse");
     }

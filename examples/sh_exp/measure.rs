@@ -79,7 +79,7 @@ impl Measured {
         };
         let by_products = logs(Fit::Table(CapLog::new(bands, CapFit::default())?))?;
         let by_grid = logs(Fit::Table(CapLog::new(bands, CapFit::Grid)?))?;
-        let clipped = logs(Fit::Clipped(Logarithm::new(bands, LogMethod::Clipped { floor: 0.02 })?))?;
+        let clipped = logs(Fit::Clipped(Box::new(Logarithm::new(bands, LogMethod::Clipped { floor: 0.02 })?)))?;
         let norms: Vec<f64> = by_products.iter().map(|f| norm(&f[1..])).collect();
         let mut measured = Self { bands, counts: [0; 6], norms: [0.0; 6], rows: Vec::new() };
         for &x in &norms {
@@ -173,7 +173,7 @@ impl Measured {
 /// Where the logarithms of discs come from.
 enum Fit {
     Table(CapLog<f64>),
-    Clipped(Logarithm),
+    Clipped(Box<Logarithm>),
 }
 
 /// The sum of the logarithms of each union's discs.

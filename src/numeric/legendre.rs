@@ -129,6 +129,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::excessive_precision, reason = "the digits are those of the long computation")]
     fn values_and_slopes_match_forty_digits() {
         // Computed with 40 digits at numbers that have few binary ones.
         let power = |n: i32| 2f64.powi(n);

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk};
+use super::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk, walk_fixed};
 use super::kernel_gradient::{GradientPoint, GradientRows, walk_gradient};
 use super::kernel_hessian::{HessianPoint, HessianRows, walk_hessian};
 use crate::error::check_length;
@@ -92,13 +92,13 @@ impl<T: Real> Basis<T> {
     pub fn eval(&self, direction: &Vector3<T>, out: &mut [T]) {
         check_length("coefficients", self.coefficient_count(), out.len());
         let d = [&[direction.x], &[direction.y], &[direction.z]];
-        // A constant number of bands unrolls the walk.
         macro_rules! unrolled {
             ($($bands:literal)*) => {
                 match self.bands {
                     $($bands => {
                         let out = &mut out[..$bands * $bands];
-                        walk(&self.table, $bands, d, &mut StorePoints { out, stride: $bands * $bands, count: 1 })
+                        let mut store = StorePoints { out, stride: $bands * $bands, count: 1 };
+                        walk_fixed::<T, 1, $bands, _>(&self.table, $bands, d, &mut store)
                     })*
                     bands => walk(&self.table, bands, d, &mut StorePoints { out, stride: bands * bands, count: 1 }),
                 }
@@ -324,6 +324,22 @@ impl<T: Real> Job for EvalRows<'_, T> {
 
     #[inline(always)]
     fn run<const L: usize>(self) {
+        match self.basis.bands {
+            1 => self.blocks::<L, 1>(),
+            2 => self.blocks::<L, 2>(),
+            3 => self.blocks::<L, 3>(),
+            4 => self.blocks::<L, 4>(),
+            5 => self.blocks::<L, 5>(),
+            6 => self.blocks::<L, 6>(),
+            _ => self.blocks::<L, 0>(),
+        }
+    }
+}
+
+impl<T: Real> EvalRows<'_, T> {
+    /// B bands, or any number where B is 0.
+    #[inline(always)]
+    fn blocks<const L: usize, const B: usize>(self) {
         let Self { basis, d, out } = self;
         let stride = d[0].len();
         for first in (0..stride).step_by(L) {
@@ -331,7 +347,7 @@ impl<T: Real> Job for EvalRows<'_, T> {
             let count = L.min(stride - first);
             if count == L {
                 let mut store = StoreRows { out: &mut *out, stride, first, count: L };
-                walk(&basis.table, basis.bands, [&x, &y, &z], &mut store);
+                walk_fixed::<T, L, B, _>(&basis.table, basis.bands, [&x, &y, &z], &mut store);
             } else {
                 let mut store = StoreRows { out: &mut *out, stride, first, count };
                 walk(&basis.table, basis.bands, [&x, &y, &z], &mut store);

@@ -79,7 +79,10 @@ pub(super) trait Visitor<T, const L: usize> {
     fn end(&mut self, _m: usize, _c: &[T; L], _s: &[T; L]) {}
 }
 
-/// Walks over `bands` at L points. Inlined, so that a constant `bands` unrolls.
+/// Orders that [`walk_fixed`] unrolls.
+pub(super) const UNROLLED: usize = 6;
+
+/// Walks over `bands` at L points.
 #[inline(always)]
 pub(super) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
     table: &Table<T>,
@@ -90,18 +93,60 @@ pub(super) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
     let (diagonal, mut steps) = table.parts(bands);
     let (mut c, mut s) = ([T::one(); L], [T::zero(); L]);
     for m in 0..bands {
-        let (column, rest) = steps.split_at(bands - 1 - m);
+        let (steps_of, rest) = steps.split_at(bands - 1 - m);
         steps = rest;
-        visitor.begin(m, &c, &s);
-        let (mut below, mut below2) = ([diagonal[m]; L], [T::zero(); L]);
-        visitor.visit(m, m, &below, &c, &s);
-        for (k, &step) in column.iter().enumerate() {
-            climb(z, step, &mut below, &mut below2);
-            visitor.visit(m + 1 + k, m, &below, &c, &s);
-        }
-        visitor.end(m, &c, &s);
+        column(m, (diagonal[m], steps_of), z, [&c, &s], visitor);
         turn(x, y, &mut c, &mut s);
     }
+}
+
+/// [`walk`] over B bands, up to 6, without a branch; over `bands` of them where B is 0.
+#[inline(always)]
+pub(super) fn walk_fixed<T: Real, const L: usize, const B: usize, V: Visitor<T, L>>(
+    table: &Table<T>,
+    bands: usize,
+    d: [&[T; L]; 3],
+    visitor: &mut V,
+) {
+    if B == 0 {
+        return walk(table, bands, d, visitor);
+    }
+    let [x, y, z] = d;
+    let (diagonal, steps) = table.parts(B);
+    let (mut c, mut s) = ([T::one(); L], [T::zero(); L]);
+    // A loop over m is left to run: its bodies differ in length.
+    macro_rules! columns {
+        ($($m:literal)*) => {$(
+            if $m < B {
+                if $m > 0 {
+                    turn(x, y, &mut c, &mut s);
+                }
+                let first = $m * (2 * B - 1 - $m) / 2;
+                column($m, (diagonal[$m], &steps[first..first + (B - 1 - $m)]), z, [&c, &s], visitor);
+            }
+        )*};
+    }
+    columns!(0 1 2 3 4 5);
+    const { assert!(B <= UNROLLED) };
+}
+
+/// Order m of a walk: q_{m,m} and the steps up.
+#[inline(always)]
+fn column<T: Real, const L: usize, V: Visitor<T, L>>(
+    m: usize,
+    (diagonal, steps): (T, &[[T; 2]]),
+    z: &[T; L],
+    [c, s]: [&[T; L]; 2],
+    visitor: &mut V,
+) {
+    visitor.begin(m, c, s);
+    let (mut below, mut below2) = ([diagonal; L], [T::zero(); L]);
+    visitor.visit(m, m, &below, c, s);
+    for (k, &step) in steps.iter().enumerate() {
+        climb(z, step, &mut below, &mut below2);
+        visitor.visit(m + 1 + k, m, &below, c, s);
+    }
+    visitor.end(m, c, s);
 }
 
 /// Stores a row for each coefficient: value of point `first + i` at `out[index · stride + first + i]`, i < `count`.

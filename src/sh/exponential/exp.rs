@@ -97,7 +97,7 @@ impl<T: Real> Exponential<T> {
         let form = match method {
             ExpMethod::Series { degree } => Form::Series(ProductSeries::exp(bands, degree, Powers::LeftToRight)?),
             ExpMethod::ScaledSeries { degree } => {
-                scaled(Seed::Series(ProductSeries::exp(bands, degree, Powers::EvenOdd)?))?
+                scaled(Seed::Series(Box::new(ProductSeries::exp(bands, degree, Powers::EvenOdd)?)))?
             }
             ExpMethod::OptimalLinear => Form::Linear(OptimalLinear::new(bands)?),
             ExpMethod::Hybrid => scaled(Seed::Linear(OptimalLinear::new(bands)?))?,
@@ -246,7 +246,7 @@ struct Scaled<T> {
 /// What approximates the exponential of a small f̂.
 #[derive(Debug, Clone)]
 enum Seed<T> {
-    Series(ProductSeries<T>),
+    Series(Box<ProductSeries<T>>),
     Linear(OptimalLinear),
 }
 

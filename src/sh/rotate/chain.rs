@@ -2,12 +2,23 @@
 
 use std::ops::Range;
 
-use super::swap::{CLASSES, Swap};
+use super::swap::{CLASSES, Comb, Swap};
 use super::turns::{Flat, Turns};
 use crate::Real;
 
 /// cos mθ, sin mθ of the three turns, m = 1…; α, −β, γ.
 pub(super) type Powers<T, const W: usize, const CAP: usize> = [[[[T; W]; 2]; CAP]; 3];
+
+/// a b of complex numbers [re, im].
+#[inline(always)]
+fn multiply<T: Real, const W: usize>(a: &[[T; W]; 2], b: &[[T; W]; 2]) -> [[T; W]; 2] {
+    let mut out = [[T::zero(); W]; 2];
+    for i in 0..W {
+        out[0][i] = a[0][i] * b[0][i] - a[1][i] * b[1][i];
+        out[1][i] = a[0][i] * b[1][i] + a[1][i] * b[0][i];
+    }
+    out
+}
 
 /// The powers up to m = `bands` − 1 of each turn's unit number, at [turn][m − 1].
 #[inline(always)]
@@ -21,14 +32,13 @@ pub(super) fn powers<T: Real, const W: usize, const CAP: usize>(
         back[1][i] = -back[1][i];
     }
     for (out, first) in out.iter_mut().zip([&turns.alpha, &back, &turns.gamma]) {
-        let mut power = *first;
-        for m in 1..bands {
-            out[m - 1] = power;
-            for i in 0..W {
-                let (c, s) = (power[0][i], power[1][i]);
-                power[0][i] = c * first[0][i] - s * first[1][i];
-                power[1][i] = c * first[1][i] + s * first[0][i];
-            }
+        out[0] = *first;
+        if bands > 2 {
+            out[1] = multiply(first, first);
+        }
+        // By the square: two chains, half as long.
+        for m in 3..bands {
+            out[m - 1] = multiply(&out[m - 3], &out[1]);
         }
     }
 }
@@ -72,19 +82,19 @@ fn block<T: Real, const W: usize, const R: usize, const C: usize>(
     entries: &[T],
     v: &[[T; W]],
     out: &mut [[T; W]],
-    [row, column]: [usize; 2],
+    (l, [rows, columns]): (usize, [Comb; 2]),
 ) {
     for r in 0..R {
         let mut sum = [T::zero(); W];
         for c in 0..C {
             let p = entries[r * C + c];
-            let v = &v[column + 2 * c];
+            let v = &v[columns.at(l, c)];
             for i in 0..W {
                 let term = p * v[i];
                 sum[i] = if c == 0 { term } else { sum[i] + term };
             }
         }
-        out[row + 2 * r] = sum;
+        out[rows.at(l, r)] = sum;
     }
 }
 
@@ -100,7 +110,6 @@ macro_rules! unrolled {
         ) {
             const N: usize = 2 * $l + 1;
             const CENTRE: usize = $l * $l;
-            const FIRST: [[usize; 2]; 4] = firsts($l);
             const _: () = assert!($a + $b + $c + $d == N && $a == CLASSES[0][0].count($l) && $b == CLASSES[1][0].count($l));
             let entries = &table.degree($l)[..$a * $a + 2 * $b * $c + $d * $d];
             let (mut v, mut u) = ([[T::zero(); W]; N], [[T::zero(); W]; N]);
@@ -109,10 +118,10 @@ macro_rules! unrolled {
             }
             #[inline(always)]
             fn swap<T: Real, const W: usize>(entries: &[T], v: &[[T; W]; N], u: &mut [[T; W]; N]) {
-                block::<T, W, $a, $a>(entries, v, u, FIRST[0]);
-                block::<T, W, $b, $c>(&entries[$a * $a..], v, u, FIRST[1]);
-                block::<T, W, $c, $b>(&entries[$a * $a + $b * $c..], v, u, FIRST[2]);
-                block::<T, W, $d, $d>(&entries[$a * $a + 2 * $b * $c..], v, u, FIRST[3]);
+                block::<T, W, $a, $a>(entries, v, u, ($l, CLASSES[0]));
+                block::<T, W, $b, $c>(&entries[$a * $a..], v, u, ($l, CLASSES[1]));
+                block::<T, W, $c, $b>(&entries[$a * $a + $b * $c..], v, u, ($l, CLASSES[2]));
+                block::<T, W, $d, $d>(&entries[$a * $a + 2 * $b * $c..], v, u, ($l, CLASSES[3]));
             }
             turn($l, &powers[2], &mut v);
             swap(entries, &v, &mut u);
@@ -126,16 +135,6 @@ macro_rules! unrolled {
     )*};
 }
 
-const fn firsts(l: usize) -> [[usize; 2]; 4] {
-    let mut out = [[0; 2]; 4];
-    let mut k = 0;
-    while k < 4 {
-        out[k] = [CLASSES[k][0].first(l), CLASSES[k][1].first(l)];
-        k += 1;
-    }
-    out
-}
-
 unrolled! {
     degree_1 1 1 1 1 0
     degree_2 2 2 1 1 1
@@ -144,27 +143,28 @@ unrolled! {
     degree_5 5 3 3 3 2
 }
 
-/// out = P v, R rows of a block at a time.
+/// R rows of a block of P, from `first` on.
 #[inline(always)]
 fn tile<T: Real, const W: usize, const R: usize>(
     entries: &[T],
     v: &[[T; W]],
     out: &mut [[T; W]],
-    [row, column]: [usize; 2],
+    (l, first, [rows, columns]): (usize, usize, [Comb; 2]),
 ) {
-    let columns = entries.len() / R;
-    let rows: [&[T]; R] = std::array::from_fn(|r| &entries[r * columns..][..columns]);
+    let size = entries.len() / R;
+    let entries: [&[T]; R] = std::array::from_fn(|r| &entries[r * size..][..size]);
     let mut sums = [[T::zero(); W]; R];
-    for (c, v) in v[column..].iter().step_by(2).take(columns).enumerate() {
+    for c in 0..size {
+        let v = &v[columns.at(l, c)];
         for r in 0..R {
-            let p = rows[r][c];
+            let p = entries[r][c];
             for i in 0..W {
                 sums[r][i] += p * v[i];
             }
         }
     }
     for r in 0..R {
-        out[row + 2 * r] = sums[r];
+        out[rows.at(l, first + r)] = sums[r];
     }
 }
 
@@ -172,17 +172,16 @@ fn tile<T: Real, const W: usize, const R: usize>(
 #[inline(always)]
 fn swap<T: Real, const W: usize>(l: usize, entries: &[T], v: &[[T; W]], out: &mut [[T; W]]) {
     let mut rest = entries;
-    for [rows, columns] in CLASSES {
-        let (count, size, column) = (rows.count(l), columns.count(l), columns.first(l));
+    for class @ [rows, columns] in CLASSES {
+        let (count, size) = (rows.count(l), columns.count(l));
         let mut r = 0;
         while r < count {
             let height = if count - r >= 4 { 4 } else { 1 };
             let (head, tail) = rest.split_at(height * size);
-            let at = [rows.first(l) + 2 * r, column];
             if height == 4 {
-                tile::<T, W, 4>(head, v, out, at);
+                tile::<T, W, 4>(head, v, out, (l, r, class));
             } else {
-                tile::<T, W, 1>(head, v, out, at);
+                tile::<T, W, 1>(head, v, out, (l, r, class));
             }
             rest = tail;
             r += height;

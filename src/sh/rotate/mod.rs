@@ -4,6 +4,7 @@ mod about_z;
 mod chain;
 mod rotation;
 mod rotator;
+mod single;
 mod swap;
 mod turns;
 

@@ -128,7 +128,15 @@ impl<T: Real> Rotation<T> {
     /// If `f.len()` or `out.len()` is not bands².
     #[track_caller]
     pub fn apply(&self, f: &[T], out: &mut [T]) {
-        self.batch(1, f, out);
+        check_length("coefficients", self.bands * self.bands, f.len());
+        check_length("rotated coefficients", self.bands * self.bands, out.len());
+        for l in 0..self.bands {
+            let size = 2 * l + 1;
+            let (f, out) = (&f[l * l..][..size], &mut out[l * l..][..size]);
+            for (row, out) in self.block(l).chunks_exact(size).zip(out) {
+                *out = dot(row, f.iter());
+            }
+        }
     }
 
     /// `count` expansions rotated: the same bits as [`apply`](Self::apply) one by one.
@@ -152,14 +160,17 @@ impl<T: Real> Rotation<T> {
             let size = 2 * l + 1;
             let f = f[l * l * count..].iter().skip(v).step_by(count);
             for (row, i) in self.block(l).chunks_exact(size).zip(l * l..) {
-                let mut sum = T::zero();
-                for (&m, &f) in row.iter().zip(f.clone()) {
-                    sum += m * f;
-                }
-                out[i * count + v] = sum;
+                out[i * count + v] = dot(row, f.clone());
             }
         }
     }
+}
+
+/// Σ m f, from the first term on.
+#[inline(always)]
+fn dot<'a, T: Real>(row: &[T], mut f: impl Iterator<Item = &'a T>) -> T {
+    let first = row[0] * *f.next().expect("a coefficient");
+    row[1..].iter().zip(f).fold(first, |sum, (&m, &f)| sum + m * f)
 }
 
 /// Vectors of a block: two AVX2 registers.
@@ -192,23 +203,88 @@ impl<T: Real> WithSimd for Batch<'_, T> {
 }
 
 impl<T: Real> Batch<'_, T> {
+    /// Degree by degree; the last block of vectors has 2W as well, some for the second time.
     #[inline(always)]
     fn run<const W: usize>(self) {
-        if self.rotation.bands <= 6 {
-            self.blocks::<W>(&mut []);
-        } else {
-            self.blocks::<W>(&mut [[[T::zero(); W]; 2]; 2 * MAX_BANDS]);
+        let Self { rotation, count, f, out } = self;
+        macro_rules! degrees {
+            ($($l:literal: $($rows:literal)*;)*) => {$(
+                if rotation.bands > $l {
+                    const N: usize = 2 * $l + 1;
+                    let rows = $l * $l * count..($l + 1) * ($l + 1) * count;
+                    let mut low = Low::<T, N>::new(&f[rows.clone()], &mut out[rows], count);
+                    let block = &rotation.blocks[block_start($l)..][..N * N];
+                    for at in (0..count).step_by(2 * W) {
+                        let first = at.min(count - 2 * W);
+                        let vectors = low.load::<W>(first);
+                        let mut row = 0;
+                        $(
+                            low.multiply::<W, $rows>(&block[row * N..][..$rows * N], &vectors, [row, first]);
+                            #[allow(unused_assignments, reason = "the last one's")]
+                            {
+                                row += $rows;
+                            }
+                        )*
+                    }
+                }
+            )*};
+        }
+        degrees!(0: 1; 1: 3; 2: 5; 3: 4 3; 4: 5 4; 5: 4 4 3;);
+        if rotation.bands > 6 {
+            let local = &mut [[[T::zero(); W]; 2]; 2 * MAX_BANDS];
+            let mut io = Io { f, out, count, first: 0, local };
+            for at in (0..count).step_by(2 * W) {
+                io.first = at.min(count - 2 * W);
+                for l in 6..rotation.bands {
+                    rotation.degree(l, &mut io);
+                }
+            }
+        }
+    }
+}
+
+/// The N rows of a degree, in and out: a row known by its slice is checked once.
+struct Low<'a, T, const N: usize> {
+    f: [&'a [T]; N],
+    out: [&'a mut [T]; N],
+}
+
+impl<'a, T: Real, const N: usize> Low<'a, T, N> {
+    #[inline(always)]
+    fn new(f: &'a [T], out: &'a mut [T], count: usize) -> Self {
+        let (mut f, mut out) = (f.chunks_exact(count), out.chunks_exact_mut(count));
+        Self {
+            f: std::array::from_fn(|_| f.next().expect("N rows")),
+            out: std::array::from_fn(|_| out.next().expect("N rows")),
         }
     }
 
     #[inline(always)]
-    fn blocks<const W: usize>(self, local: &mut [[[T; W]; 2]]) {
-        let Self { rotation, count, f, out } = self;
-        let mut io = Io { f, out, count, first: 0, local };
-        for block in (0..count).step_by(2 * W) {
-            // The last block holds 2W vectors as well, some for the second time.
-            io.first = block.min(count - 2 * W);
-            rotation.columns(&mut io);
+    fn load<const W: usize>(&self, first: usize) -> [[[T; W]; 2]; N] {
+        let mut vectors = [[[T::zero(); W]; 2]; N];
+        for j in 0..N {
+            let (halves, _) = self.f[j][first..][..2 * W].as_chunks::<W>();
+            vectors[j] = [halves[0], halves[1]];
+        }
+        vectors
+    }
+
+    /// R rows of a block, from `row` on, times the vectors.
+    #[inline(always)]
+    fn multiply<const W: usize, const R: usize>(
+        &mut self,
+        block: &[T],
+        vectors: &[[[T; W]; 2]; N],
+        [row, first]: [usize; 2],
+    ) {
+        let mut sums = [[[T::zero(); W]; 2]; R];
+        for j in 0..N {
+            for r in 0..R {
+                add(j == 0, &mut sums[r], block[r * N + j], &vectors[j]);
+            }
+        }
+        for r in 0..R {
+            self.out[row + r][first..][..2 * W].copy_from_slice(sums[r].as_flattened());
         }
     }
 }
@@ -229,24 +305,19 @@ impl<T: Real, const W: usize> Io<'_, T, W> {
         [halves[0], halves[1]]
     }
 
-    /// R rows of a block, from `row` on, times N rows of vectors.
-    #[inline(always)]
-    fn multiply<const R: usize, const N: usize>(&mut self, block: &[T], vectors: &[[[T; W]; 2]; N], row: usize) {
-        let block = &block[..R * N];
-        let mut sums = [[[T::zero(); W]; 2]; R];
-        for j in 0..N {
-            add(&mut sums, std::array::from_fn(|r| block[r * N + j]), &vectors[j]);
-        }
-        self.store(row, &sums);
-    }
-
-    /// The same for any number of vectors.
+    /// R rows of a block, from `row` on, times `size` vectors.
     #[inline(always)]
     fn multiply_any<const R: usize>(&mut self, block: &[T], size: usize, row: usize) {
         let rows: [&[T]; R] = std::array::from_fn(|r| &block[r * size..][..size]);
         let mut sums = [[[T::zero(); W]; 2]; R];
-        for (j, vectors) in self.local[..size].iter().enumerate() {
-            add(&mut sums, std::array::from_fn(|r| rows[r][j]), vectors);
+        let (head, tail) = self.local[..size].split_first().expect("a vector");
+        for r in 0..R {
+            add(true, &mut sums[r], rows[r][0], head);
+        }
+        for (j, vectors) in (1..).zip(tail) {
+            for r in 0..R {
+                add(false, &mut sums[r], rows[r][j], vectors);
+            }
         }
         self.store(row, &sums);
     }
@@ -259,53 +330,18 @@ impl<T: Real, const W: usize> Io<'_, T, W> {
     }
 }
 
+/// Adds a term, or sets the first one.
 #[inline(always)]
-fn add<T: Real, const W: usize, const R: usize>(sums: &mut [[[T; W]; 2]; R], column: [T; R], vectors: &[[T; W]; 2]) {
-    for r in 0..R {
-        for h in 0..2 {
-            for i in 0..W {
-                sums[r][h][i] += column[r] * vectors[h][i];
-            }
+fn add<T: Real, const W: usize>(first: bool, sum: &mut [[T; W]; 2], entry: T, vectors: &[[T; W]; 2]) {
+    for h in 0..2 {
+        for i in 0..W {
+            let term = entry * vectors[h][i];
+            sum[h][i] = if first { term } else { sum[h][i] + term };
         }
     }
 }
 
 impl<T: Real> Rotation<T> {
-    /// 2W vectors. Three to five rows at a time hold their sums in registers.
-    #[inline(always)]
-    fn columns<const W: usize>(&self, io: &mut Io<'_, T, W>) {
-        macro_rules! degree {
-            ($l:literal: $($rows:literal)*) => {
-                if self.bands > $l {
-                    const N: usize = 2 * $l + 1;
-                    let mut block = &self.blocks[block_start($l)..block_start($l + 1)];
-                    let mut vectors = [[[T::zero(); W]; 2]; N];
-                    for j in 0..N {
-                        vectors[j] = io.load($l * $l + j);
-                    }
-                    let mut row = $l * $l;
-                    $(
-                        io.multiply::<$rows, N>(block, &vectors, row);
-                        #[allow(unused_assignments, reason = "the last one's")]
-                        {
-                            block = &block[$rows * N..];
-                            row += $rows;
-                        }
-                    )*
-                }
-            };
-        }
-        degree!(0: 1);
-        degree!(1: 3);
-        degree!(2: 5);
-        degree!(3: 4 3);
-        degree!(4: 5 4);
-        degree!(5: 4 4 3);
-        for l in 6..self.bands {
-            self.degree(l, io);
-        }
-    }
-
     #[inline(always)]
     fn degree<const W: usize>(&self, l: usize, io: &mut Io<'_, T, W>) {
         let size = 2 * l + 1;

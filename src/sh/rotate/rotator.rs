@@ -7,8 +7,11 @@ use super::chain::{
     Columns, Powers, degree_1, degree_2, degree_3, degree_4, degree_5, powers, rotate_degree, rotate_flat,
 };
 use super::rotation::{MAX_BANDS, check_bands};
-use super::swap::Swap;
-use super::turns::{Poses, Turns, components, entries, tiny};
+use super::single::{self, Single};
+use super::swap::{QUAD, Swap, quads};
+use super::turns::{
+    Flat, Poses, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
+};
 use crate::error::check_length;
 use crate::{Real, Result};
 
@@ -77,7 +80,8 @@ impl<T: Real> Rotator<T> {
     pub fn apply(&self, rotation: &Rotation3<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
         let r = entries(rotation);
-        self.one(&Poses::Matrices(std::array::from_fn(|k| &r[k..=k])), f, out);
+        let [a, b, c, d, e, g, h, i, j] = r;
+        self.one(matrix_turns(&[[a], [b], [c], [d], [e], [g], [h], [i], [j]]), || matrix_flat(&r), f, out);
     }
 
     /// `out` = `f` rotated by a quaternion; a little faster than by a matrix.
@@ -87,12 +91,12 @@ impl<T: Real> Rotator<T> {
     #[track_caller]
     pub fn apply_quaternion(&self, rotation: &UnitQuaternion<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
-        let q = components(rotation);
-        self.one(&Poses::Quaternions(std::array::from_fn(|k| &q[k..=k])), f, out);
+        let [x, y, z, w] = components(rotation);
+        self.one(quaternion_turns(&[[x], [y], [z], [w]]), || quaternion_flat([x, y, z, w]), f, out);
     }
 
     /// `count` expansions, each rotated by its quaternion x, y, z, w: the same bits as [`apply_quaternion`](Self::apply_quaternion) one by
-    /// one.
+    /// one, but for the sign of zeros.
     ///
     /// # Panics
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -105,7 +109,8 @@ impl<T: Real> Rotator<T> {
         self.many(count, &Poses::Quaternions(quaternions), f, out);
     }
 
-    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row: the same bits as [`apply`](Self::apply) one by one.
+    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row: the same bits as [`apply`](Self::apply) one by one, but
+    /// for the sign of zeros.
     ///
     /// # Panics
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -124,8 +129,43 @@ impl<T: Real> Rotator<T> {
         check_length("rotated coefficients", self.bands * self.bands * count, out.len());
     }
 
-    fn one(&self, poses: &Poses<'_, T>, f: &[T], out: &mut [T]) {
-        Job { rotator: self, poses, count: 1, f, out }.run::<1>();
+    #[inline(always)]
+    fn one(&self, (turns, [across]): (Turns<T, 1>, [T; 1]), flat: impl FnOnce() -> Flat<T>, f: &[T], out: &mut [T]) {
+        if across < tiny() {
+            out[0] = f[0];
+            rotate_flat(0..self.bands, &flat(), f, out, [1, 0]);
+        } else if self.bands <= UNROLLED {
+            self.one_of::<{ UNROLLED / 2 }>(&turns, f, out);
+        } else if self.bands <= 16 {
+            self.one_of::<8>(&turns, f, out);
+        } else {
+            self.one_of::<{ MAX_BANDS / 2 }>(&turns, f, out);
+        }
+    }
+
+    /// One expansion of up to 2K bands.
+    #[inline(never)]
+    fn one_of<const K: usize>(&self, turns: &Turns<T, 1>, f: &[T], out: &mut [T]) {
+        out[0] = f[0];
+        if self.bands == 1 {
+            return;
+        }
+        let single = Single { table: &self.table, powers: single::powers::<T, K>(self.bands, turns) };
+        macro_rules! unrolled {
+            ($($l:literal)*) => {$(
+                if self.bands > $l {
+                    let [mut v, mut u] = [[[T::zero(); QUAD]; quads($l)]; 2];
+                    single.rotate($l, f, out, [&mut v, &mut u]);
+                }
+            )*};
+        }
+        unrolled!(1 2 3 4 5);
+        if K > UNROLLED / 2 {
+            let [mut v, mut u] = [[[T::zero(); QUAD]; K]; 2];
+            for l in UNROLLED..self.bands {
+                single.rotate(l, f, out, [&mut v, &mut u]);
+            }
+        }
     }
 
     fn many(&self, count: usize, poses: &Poses<'_, T>, f: &[T], out: &mut [T]) {

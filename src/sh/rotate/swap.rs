@@ -25,6 +25,24 @@ pub(super) struct Swap<T> {
     entries: Vec<T>,
     /// Where the entries of each degree begin, and the last one's end.
     starts: Vec<usize>,
+    /// P once more as [`single`](super::single) wants it: degree by degree a matrix of quads, each with a lane for each class of rows.
+    quads: Vec<[T; QUAD]>,
+}
+
+/// Rows of P side by side: those of even and odd m ≥ 0, of even and odd m < 0.
+pub(super) const QUAD: usize = 4;
+
+/// The quads that hold the orders of degree l.
+#[inline(always)]
+pub(super) const fn quads(l: usize) -> usize {
+    l / 2 + 1
+}
+
+/// Quads before degree l: 1, 1, 4, 4, 9, 9, …
+#[inline(always)]
+const fn quad_start(l: usize) -> usize {
+    let half = l / 2;
+    half * (half + 1) * (2 * half + 1) / 3 + (l % 2) * (half + 1) * (half + 1)
 }
 
 /// Every other row or column of a degree: those of i ≥ l or i < l, i even or odd.
@@ -39,17 +57,16 @@ impl Comb {
         Self { upper, odd }
     }
 
-    /// The first i.
+    /// The k-th i, by growing |i − l|.
     #[inline(always)]
-    pub(super) const fn first(self, l: usize) -> usize {
-        if self.upper { l + (l + self.odd) % 2 } else { self.odd }
+    pub(super) const fn at(self, l: usize, k: usize) -> usize {
+        if self.upper { l + (l + self.odd) % 2 + 2 * k } else { l - 1 - (l + 1 + self.odd) % 2 - 2 * k }
     }
 
     /// How many i there are.
     #[inline(always)]
     pub(super) const fn count(self, l: usize) -> usize {
-        let end = if self.upper { 2 * l + 1 } else { l };
-        (end + 1).saturating_sub(self.first(l)) / 2
+        if self.upper { (l + 2 - (l + self.odd) % 2) / 2 } else { (l + 1 - self.odd) / 2 }
     }
 }
 
@@ -64,17 +81,36 @@ pub(super) const CLASSES: [[Comb; 2]; 4] = [
 impl<T: Real> Swap<T> {
     pub(super) fn new(bands: usize) -> Self {
         let quarter = quarter_turns(bands);
-        let (mut entries, mut starts) = (Vec::new(), vec![0]);
+        let (mut entries, mut starts, mut quads_of) = (Vec::new(), vec![0], Vec::new());
         for (l, d) in quarter.iter().enumerate() {
             for [rows, columns] in CLASSES {
                 for r in 0..rows.count(l) {
-                    let i = rows.first(l) + 2 * r;
-                    entries.extend((0..columns.count(l)).map(|c| T::of(entry(d, l, i, columns.first(l) + 2 * c))));
+                    entries.extend((0..columns.count(l)).map(|c| T::of(entry(d, l, rows.at(l, r), columns.at(l, c)))));
                 }
             }
             starts.push(entries.len());
+            let size = quads(l);
+            // The lane of P's columns that meets each lane of its rows.
+            let met = if l % 2 == 0 { [0, 2, 1, 3] } else { [3, 1, 2, 0] };
+            let index = |quad: usize, lane: usize| {
+                let m = 2 * quad + lane % 2;
+                let exists = m <= l && (lane < 2 || m > 0);
+                exists.then(|| if lane < 2 { l + m } else { l - m })
+            };
+            quads_of.extend((0..size * size).map(|at| {
+                std::array::from_fn(|lane| match (index(at / size, lane), index(at % size, met[lane])) {
+                    (Some(i), Some(j)) => T::of(entry(d, l, i, j)),
+                    _ => T::zero(),
+                })
+            }));
         }
-        Self { entries, starts }
+        Self { entries, starts, quads: quads_of }
+    }
+
+    /// The matrix of quads of degree l, row-major.
+    #[inline(always)]
+    pub(super) fn quads(&self, l: usize) -> &[[T; QUAD]] {
+        &self.quads[quad_start(l)..quad_start(l + 1)]
     }
 
     /// The entries of degree l.
@@ -141,7 +177,7 @@ mod tests {
         for [rows, columns] in CLASSES {
             for r in 0..rows.count(l) {
                 for c in 0..columns.count(l) {
-                    p[rows.first(l) + 2 * r][columns.first(l) + 2 * c] = *entries.next().unwrap();
+                    p[rows.at(l, r)][columns.at(l, c)] = *entries.next().unwrap();
                 }
             }
         }

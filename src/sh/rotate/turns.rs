@@ -53,11 +53,13 @@ impl<T: Real> Poses<'_, T> {
     /// [`flat`](Self::flat) and its turns mean nothing.
     #[inline(always)]
     pub(super) fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]) {
-        let (turns, across) = match self {
-            Self::Quaternions(q) => quaternion_turns(q, first),
-            Self::Matrices(r) => matrix_turns(r, first),
-        };
-        (turns.normalized(), across)
+        let at = |c: &[T]| load::<T, W>(c, first, T::one());
+        match self {
+            Self::Quaternions([x, y, z, w]) => quaternion_turns(&[at(x), at(y), at(z), at(w)]),
+            Self::Matrices([a, b, c, d, e, f, g, h, i]) => {
+                matrix_turns(&[at(a), at(b), at(c), at(d), at(e), at(f), at(g), at(h), at(i)])
+            }
+        }
     }
 
     /// Rotation `at`, one whose axis is lost.
@@ -95,10 +97,10 @@ pub(super) fn load<T: Real, const W: usize>(values: &[T], first: usize, pad: T) 
     }
 }
 
+/// The turns of quaternions and their p q.
 #[inline(always)]
-fn quaternion_turns<T: Real, const W: usize>(q: &[&[T]; 4], first: usize) -> (Turns<T, W>, [T; W]) {
+pub(super) fn quaternion_turns<T: Real, const W: usize>([x, y, z, w]: &[[T; W]; 4]) -> (Turns<T, W>, [T; W]) {
     let one = T::one();
-    let [x, y, z, w] = [0, 1, 2, 3].map(|k| load::<T, W>(q[k], first, one));
     let zero = [[T::zero(); W]; 2];
     let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
     let mut across = [T::zero(); W];
@@ -115,10 +117,10 @@ fn quaternion_turns<T: Real, const W: usize>(q: &[&[T]; 4], first: usize) -> (Tu
         turns.gamma[0][i] = (wy - zx) * scale;
         turns.gamma[1][i] = (zy + wx) * scale;
     }
-    (turns, across)
+    (turns.normalized(), across)
 }
 
-fn quaternion_flat<T: Real>([x, y, z, w]: [T; 4]) -> Flat<T> {
+pub(super) fn quaternion_flat<T: Real>([x, y, z, w]: [T; 4]) -> Flat<T> {
     let reverses = w * w + z * z < x * x + y * y;
     let (re, im) = if reverses { (y, -x) } else { (w, z) };
     // The square of the unit number: squares of (re, im) themselves may underflow.
@@ -130,10 +132,9 @@ fn quaternion_flat<T: Real>([x, y, z, w]: [T; 4]) -> Flat<T> {
 /// what the other entries know best: (R00 + R11, R10 − R01) = (1 + cos β) e^{i(α+γ)} above the equator,
 /// (R11 − R00, −R10 − R01) = (1 − cos β) e^{i(α−γ)} below.
 #[inline(always)]
-fn matrix_turns<T: Real, const W: usize>(r: &[&[T]; 9], first: usize) -> (Turns<T, W>, [T; W]) {
+pub(super) fn matrix_turns<T: Real, const W: usize>(r: &[[T; W]; 9]) -> (Turns<T, W>, [T; W]) {
     let one = T::one();
-    let at = |k: usize| load::<T, W>(r[k], first, one);
-    let (r00, r01, r02, r10, r11, r12, r22) = (at(0), at(1), at(2), at(3), at(4), at(5), at(8));
+    let [r00, r01, r02, r10, r11, r12, _, _, r22] = r;
     let zero = [[T::zero(); W]; 2];
     let mut turns = Turns { alpha: zero, beta: zero, gamma: zero };
     let mut across = [T::zero(); W];
@@ -142,35 +143,36 @@ fn matrix_turns<T: Real, const W: usize>(r: &[&[T]; 9], first: usize) -> (Turns<
         let root = across[i].sqrt();
         let (scale, whole) = (one / root, one / (across[i] + r22[i] * r22[i]).sqrt());
         let (c, s) = (r02[i] * scale, r12[i] * scale);
-        let up = r22[i] >= T::zero();
-        let re = if up { r00[i] + r11[i] } else { r11[i] - r00[i] };
-        let im = if up { r10[i] - r01[i] } else { r10[i] + r01[i] };
+        let up = if r22[i] >= T::zero() { one } else { -one };
+        let (re, im) = (r11[i] + up * r00[i], r10[i] - up * r01[i]);
         let size = one / (re * re + im * im).sqrt();
         // Above: (re + i im) e^{−iα}. Below: e^{iα} (re + i im).
-        let (ss, cs) = if up { (s, c) } else { (-s, c) };
+        let turned = up * s;
         turns.alpha[0][i] = c;
         turns.alpha[1][i] = s;
         turns.beta[0][i] = r22[i] * whole;
         turns.beta[1][i] = root * whole;
-        turns.gamma[0][i] = (re * cs + im * ss) * size;
-        turns.gamma[1][i] = (im * cs - re * ss) * size;
+        turns.gamma[0][i] = (re * c + im * turned) * size;
+        turns.gamma[1][i] = (im * c - re * turned) * size;
     }
-    (turns, across)
+    (turns.normalized(), across)
 }
 
-fn matrix_flat<T: Real>(r: &[T; 9]) -> Flat<T> {
+pub(super) fn matrix_flat<T: Real>(r: &[T; 9]) -> Flat<T> {
     let reverses = r[8] < T::zero();
     let turn = if reverses { unit(r[4] - r[0], -r[3] - r[1]) } else { unit(r[0] + r[4], r[3] - r[1]) };
     Flat { reverses, turn }
 }
 
 /// One rotation's nine numbers, as [`Poses`] wants them.
+#[inline(always)]
 pub(super) fn entries<T: Real>(rotation: &Rotation3<T>) -> [T; 9] {
     let r = rotation.matrix();
     [r.m11, r.m12, r.m13, r.m21, r.m22, r.m23, r.m31, r.m32, r.m33]
 }
 
 /// One rotation's four numbers, as [`Poses`] wants them.
+#[inline(always)]
 pub(super) fn components<T: Real>(rotation: &UnitQuaternion<T>) -> [T; 4] {
     let q = rotation.as_ref().coords;
     [q.x, q.y, q.z, q.w]
