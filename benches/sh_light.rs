@@ -13,6 +13,9 @@ use haarmonic::sphere::fibonacci_directions;
 
 const BANDS: [usize; 4] = [3, 4, 6, 10];
 
+/// A light from where it is.
+type Make = fn(Vector3<f32>) -> Light<f32>;
+
 fn directions(count: usize) -> [Vec<f32>; 3] {
     let all = fibonacci_directions(count);
     [0, 1, 2].map(|k| all.iter().map(|d| d[k] as f32).collect())
@@ -25,7 +28,7 @@ fn shapes(c: &mut Criterion) {
     for bands in BANDS {
         let lights = Lights::<f32>::new(bands).unwrap();
         let mut out = [0; 3].map(|_| vec![0.0; bands * bands]);
-        let makes: [(&str, fn(Vector3<f32>) -> Light<f32>); 3] = [
+        let makes: [(&str, Make); 3] = [
             ("directional", |direction| Light::Directional { direction }),
             ("cone", |axis| Light::Cone { axis, half_angle: 0.3 }),
             ("sphere", |d| Light::Sphere { centre: d * 3.0, radius: 1.0 }),

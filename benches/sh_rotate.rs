@@ -9,6 +9,9 @@ use haarmonic::nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{Rotation, Rotator, rotate_z, rotate_z_batch};
 
+/// Turns the vector of this number.
+type Turn<'a, T> = dyn Fn(usize, &[T], &mut [T]) + 'a;
+
 /// Vectors of a batch: in the second cache at every size.
 const COUNT: usize = 512;
 const BANDS: [usize; 7] = [3, 4, 5, 6, 8, 10, 21];
@@ -60,10 +63,7 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
     group.finish();
 }
 
-fn singles<T: Real>(c: &mut Criterion, scalar: &str)
-where
-    T: haarmonic::nalgebra::RealField,
-{
+fn singles<T: Real + haarmonic::nalgebra::RealField>(c: &mut Criterion, scalar: &str) {
     let turns: Vec<_> = (0..64).map(|i| Rotation3::from_matrix_unchecked(turn(i).matrix().map(T::of))).collect();
     let quaternions: Vec<_> = turns.iter().map(UnitQuaternion::from_rotation_matrix).collect();
     let mut group = c.benchmark_group(format!("rotate {scalar}, 64 single calls"));
@@ -74,7 +74,7 @@ where
         let mut out = f.clone();
         let rotator = Rotator::<T>::new(bands).expect("a size in range");
         let one = Rotation::<T>::new(bands, &turn(3)).expect("a size in range");
-        let mut run = |name: &str, rotate: &dyn Fn(usize, &[T], &mut [T])| {
+        let mut run = |name: &str, rotate: &Turn<'_, T>| {
             group.bench_function(BenchmarkId::new(name, bands), |b| {
                 b.iter(|| {
                     for (i, (f, out)) in f.chunks_exact(n).zip(out.chunks_exact_mut(n)).enumerate() {
