@@ -1,4 +1,4 @@
-//! Spherical harmonics: the real basis at directions, its gradient, sums over it; products of expansions; zonal functions and lights.
+//! Spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, zonal functions, lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
 //! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
@@ -11,14 +11,14 @@
 //! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
+//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
+//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
 //! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
 //! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
 //! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |
 //! | samples anywhere | the best fit | [`ScatteredFit`] |
 //! | an expansion | its least and greatest value, certified | [`Extrema`] |
 //! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
-//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
-//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
 //! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
@@ -43,17 +43,13 @@ mod convention;
 mod exponential;
 mod gamma;
 mod index;
-mod kernel;
-mod kernel_gradient;
-mod kernel_hessian;
-mod legendre;
 mod light;
 mod product;
 mod project;
 mod rotate;
 mod zonal;
 
-pub use basis::{Basis, eval};
+pub use basis::{Basis, associated_legendre, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
 pub use exponential::{
     CapFit, CapLog, ExpMethod, Exponential, GridFunction, LogMethod, Logarithm, OptimalLinear, Powers, ProductSeries,
@@ -61,7 +57,6 @@ pub use exponential::{
 };
 pub use gamma::{TripleTensor, gamma};
 pub use index::{bands_of, coefficient_count, degree_order, index};
-pub use legendre::associated_legendre;
 pub use light::{
     DiffuseLight, DiffuseLightTable, Irradiance, Light, Lights, Measure, PolygonLight, PolygonScratch, Sides,
 };

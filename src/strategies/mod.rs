@@ -5,23 +5,19 @@
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
 mod affine;
-mod bicluster;
 mod compress;
 mod haar;
 #[cfg(feature = "scene")]
 mod scene;
 mod sh;
-mod sh_visibility;
 mod sphere;
 mod table;
 
 pub use affine::{affine_map, dyadic_map};
-pub use bicluster::block_matrix;
-pub use compress::{level_map, run_map};
+pub use compress::{block_matrix, level_map, run_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};
-pub use sh::sh_vector;
-pub use sh_visibility::{discs, sh_visibility};
+pub use sh::{discs, sh_vector, sh_visibility};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
 pub use table::{outside, rectangle, visibility_map};

@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 use self::arcs::{ArcRules, Coupling};
 use self::outline::Outline;
 use crate::error::check_length;
-use crate::sh::kernel::{Accumulate, Table, walk};
+use crate::sh::basis::kernel::{Accumulate, Table, walk};
 use crate::{Error, Real, Result};
 
 /// Points that run through one walk over the basis.
@@ -44,7 +44,7 @@ pub enum Sides {
 /// as it runs around them. From within the plane, from a vertex or an edge there is no light or a finite part of it.
 ///
 /// Units: coefficients are in sr; times the radiance they are those of the light. Computed in `f64` whatever the scalar.
-/// Accuracy, of the largest coefficient: 4e-15 at any size of the polygon up to 16 bands, 2e-14 at 64; measured against brute force and 4× as many nodes.
+/// Accuracy, of the largest coefficient: 1e-14 at any size of the polygon up to 16 bands, measured against brute force; slivers less (docs/sh.md).
 /// Cost, counted: per arc about 6 + bands · length/2 evaluations of bands − 1 bands. Immutable; calls do not allocate but for a scratch
 /// that sees more vertices than before.
 ///

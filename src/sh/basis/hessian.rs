@@ -9,7 +9,7 @@
 //!
 //!   q''_l = a (2 q'_{l−1} + z q''_{l−1}) − b q''_{l−2}
 //!
-//! Polynomials throughout, as in [`kernel_gradient`](super::kernel_gradient).
+//! Polynomials throughout, as in [`gradient`](super::gradient).
 
 use super::kernel::{Table, climb, turn};
 use crate::Real;

@@ -16,7 +16,7 @@ use crate::Real;
 
 /// Constants of the walk, computed in `f64`.
 #[derive(Debug, Clone)]
-pub(super) struct Table<T> {
+pub(in crate::sh) struct Table<T> {
     /// q_{m,m}.
     diagonal: Vec<T>,
     /// (a, b) for m = 0…, l = m+1…
@@ -24,7 +24,7 @@ pub(super) struct Table<T> {
 }
 
 impl<T: Real> Table<T> {
-    pub(super) fn new(bands: usize) -> Self {
+    pub(in crate::sh) fn new(bands: usize) -> Self {
         let mut square = 1.0 / (4.0 * std::f64::consts::PI);
         let (mut diagonal, mut steps) = (Vec::new(), Vec::new());
         for m in 0..bands {
@@ -47,14 +47,14 @@ impl<T: Real> Table<T> {
     }
 
     #[inline(always)]
-    pub(super) fn parts(&self, bands: usize) -> (&[T], &[[T; 2]]) {
+    pub(in crate::sh) fn parts(&self, bands: usize) -> (&[T], &[[T; 2]]) {
         (&self.diagonal[..bands], &self.steps[..bands * bands.saturating_sub(1) / 2])
     }
 }
 
 /// (x + iy)^m → (x + iy)^{m+1}.
 #[inline(always)]
-pub(super) fn turn<T: Real, const L: usize>(x: &[T; L], y: &[T; L], c: &mut [T; L], s: &mut [T; L]) {
+pub(in crate::sh) fn turn<T: Real, const L: usize>(x: &[T; L], y: &[T; L], c: &mut [T; L], s: &mut [T; L]) {
     for i in 0..L {
         (c[i], s[i]) = (x[i] * c[i] - y[i] * s[i], x[i] * s[i] + y[i] * c[i]);
     }
@@ -62,7 +62,12 @@ pub(super) fn turn<T: Real, const L: usize>(x: &[T; L], y: &[T; L], c: &mut [T; 
 
 /// q_{l,m} from the two below it; `below` and `below2` move up.
 #[inline(always)]
-pub(super) fn climb<T: Real, const L: usize>(z: &[T; L], [a, b]: [T; 2], below: &mut [T; L], below2: &mut [T; L]) {
+pub(in crate::sh) fn climb<T: Real, const L: usize>(
+    z: &[T; L],
+    [a, b]: [T; 2],
+    below: &mut [T; L],
+    below2: &mut [T; L],
+) {
     for i in 0..L {
         let q = (a * z[i]) * below[i] - b * below2[i];
         below2[i] = below[i];
@@ -71,7 +76,7 @@ pub(super) fn climb<T: Real, const L: usize>(z: &[T; L], [a, b]: [T; 2], below: 
 }
 
 /// What a walk is for. For each m ≥ 0: `begin`, then `visit` for l = m…bands−1, then `end`; c + is = (x + iy)^m.
-pub(super) trait Visitor<T, const L: usize> {
+pub(in crate::sh) trait Visitor<T, const L: usize> {
     #[inline(always)]
     fn begin(&mut self, _m: usize, _c: &[T; L], _s: &[T; L]) {}
     fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]);
@@ -80,11 +85,11 @@ pub(super) trait Visitor<T, const L: usize> {
 }
 
 /// Orders that [`walk_fixed`] unrolls.
-pub(super) const UNROLLED: usize = 6;
+pub(in crate::sh) const UNROLLED: usize = 6;
 
 /// Walks over `bands` at L points.
 #[inline(always)]
-pub(super) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
+pub(in crate::sh) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
     table: &Table<T>,
     bands: usize,
     [x, y, z]: [&[T; L]; 3],
@@ -102,7 +107,7 @@ pub(super) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
 
 /// [`walk`] over B bands, up to 6, without a branch; over `bands` of them where B is 0.
 #[inline(always)]
-pub(super) fn walk_fixed<T: Real, const L: usize, const B: usize, V: Visitor<T, L>>(
+pub(in crate::sh) fn walk_fixed<T: Real, const L: usize, const B: usize, V: Visitor<T, L>>(
     table: &Table<T>,
     bands: usize,
     d: [&[T; L]; 3],
@@ -150,7 +155,7 @@ fn column<T: Real, const L: usize, V: Visitor<T, L>>(
 }
 
 /// Stores a row for each coefficient: value of point `first + i` at `out[index · stride + first + i]`, i < `count`.
-pub(super) struct StoreRows<'a, T> {
+pub(in crate::sh) struct StoreRows<'a, T> {
     pub out: &'a mut [T],
     pub stride: usize,
     pub first: usize,
@@ -188,7 +193,7 @@ impl<T: Real, const L: usize> Visitor<T, L> for StoreRows<'_, T> {
 }
 
 /// Stores a row for each point: `out[i · stride + index]`, i < `count`.
-pub(super) struct StorePoints<'a, T> {
+pub(in crate::sh) struct StorePoints<'a, T> {
     pub out: &'a mut [T],
     pub stride: usize,
     pub count: usize,
@@ -213,7 +218,7 @@ impl<T: Real, const L: usize> Visitor<T, L> for StorePoints<'_, T> {
 }
 
 /// Σ c_i y_i. Sums over l first, at fixed m: Σ_m Re (x − iy)^m Σ_l (c_{l,m} + i c_{l,−m}) q_{l,m}.
-pub(super) struct Dot<'a, T, const L: usize> {
+pub(in crate::sh) struct Dot<'a, T, const L: usize> {
     pub coefficients: &'a [T],
     pub even: [T; L],
     pub odd: [T; L],
@@ -222,7 +227,7 @@ pub(super) struct Dot<'a, T, const L: usize> {
 
 impl<'a, T: Real, const L: usize> Dot<'a, T, L> {
     #[inline(always)]
-    pub(super) fn new(coefficients: &'a [T]) -> Self {
+    pub(in crate::sh) fn new(coefficients: &'a [T]) -> Self {
         let zero = [T::zero(); L];
         Self { coefficients, even: zero, odd: zero, sum: zero }
     }
@@ -258,7 +263,7 @@ impl<T: Real, const L: usize> Visitor<T, L> for Dot<'_, T, L> {
 }
 
 /// Σ_points w y_i for C channels of weights w; a sum for each lane, `lanes[index · C + channel]`.
-pub(super) struct Accumulate<'a, T, const L: usize, const C: usize> {
+pub(in crate::sh) struct Accumulate<'a, T, const L: usize, const C: usize> {
     pub lanes: &'a mut [[T; L]],
     pub weights: [[T; L]; C],
     pub even: [[T; L]; C],

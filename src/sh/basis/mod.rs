@@ -1,13 +1,20 @@
 //! The plan: tables of a size, applied to one direction or to many.
 
+mod gradient;
+mod hessian;
+pub(in crate::sh) mod kernel;
+mod legendre;
+
 use nalgebra::{Matrix3, Vector3};
 use pulp::{Arch, Simd, WithSimd};
 
-use super::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk, walk_fixed};
-use super::kernel_gradient::{GradientPoint, GradientRows, walk_gradient};
-use super::kernel_hessian::{HessianPoint, HessianRows, walk_hessian};
+use self::gradient::{GradientPoint, GradientRows, walk_gradient};
+use self::hessian::{HessianPoint, HessianRows, walk_hessian};
+use self::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk, walk_fixed};
 use crate::error::check_length;
 use crate::{Error, Real, Result};
+
+pub use self::legendre::associated_legendre;
 
 /// The real, orthonormal spherical harmonics of `bands`, without the Condon–Shortley phase, at index l(l+1) + m.
 ///
