@@ -1,5 +1,4 @@
 //! Polygonal lights against brute force, closed forms and theorems.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -9,9 +8,7 @@ use haarmonic::sh::{Basis, PolygonLight, Sides, Zonal};
 use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
+use crate::support::cases;
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m, v| m.max(v.abs()))

@@ -1,5 +1,4 @@
 //! Lights, irradiance and light at a normal against golden values, naive twins and closed forms.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
@@ -10,20 +9,8 @@ use haarmonic::sh::{Basis, DiffuseLight, Irradiance, Light, Lights, Measure, Zon
 use haarmonic::sphere::fibonacci_directions;
 use haarmonic::strategies::direction;
 use proptest::prelude::*;
-use serde_json::Value;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
+use crate::support::{cases, golden, numbers};
 
 #[track_caller]
 fn assert_all_close<T: Real>(got: &[T], want: &[f64], tolerance: f64, what: &str) {

@@ -1,5 +1,4 @@
 //! Zonal functions, their kernels and lobes against golden values, naive twins and theorems.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,25 +11,10 @@ use haarmonic::strategies::direction;
 use proptest::prelude::*;
 use serde_json::Value;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
+use crate::support::{cases, golden, number, numbers};
 
 fn items<'a>(v: &'a Value, name: &str) -> &'a [Value] {
     v[name].as_array().unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn number(v: &Value) -> f64 {
-    v.as_f64().unwrap()
-}
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
 }
 
 /// Every value within `relative` of its own size, or `absolute`.

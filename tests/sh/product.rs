@@ -1,5 +1,4 @@
 //! The triple-product tensor, products and squares of spherical harmonics against golden values and a naive twin.
-#![cfg(feature = "reference")]
 
 use std::f64::consts::PI;
 
@@ -10,14 +9,7 @@ use haarmonic::sh::{Product, Square, TripleTensor, gamma};
 use proptest::prelude::*;
 use serde_json::Value;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
+use crate::support::{golden, numbers};
 
 fn triple(v: &Value) -> [usize; 3] {
     [0, 1, 2].map(|n| v[n].as_u64().unwrap() as usize)

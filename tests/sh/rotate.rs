@@ -1,5 +1,4 @@
 //! Rotation of spherical harmonic expansions against golden values, its naive twin and its theorems.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use haarmonic::Real;
 use haarmonic::nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -9,18 +8,7 @@ use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 use serde_json::Value;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
+use crate::support::{cases, golden, numbers};
 
 fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
     x.iter().map(|&x| T::of(x)).collect()

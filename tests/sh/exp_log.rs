@@ -1,5 +1,4 @@
 //! Exponentials, logarithms and functions of expansions against golden values, naive twins and their algebra.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use std::f64::consts::PI;
 
@@ -15,22 +14,15 @@ use haarmonic::{Error, Real};
 use proptest::prelude::*;
 use serde_json::Value;
 
-fn golden(name: &str) -> Vec<Value> {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    file["items"].as_array().or_else(|| file["hyb_items"].as_array()).unwrap().clone()
-}
+use crate::support::{golden, number, numbers};
 
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+fn items(name: &str) -> Vec<Value> {
+    let file = golden(name);
+    file["items"].as_array().or_else(|| file["hyb_items"].as_array()).unwrap().clone()
 }
 
 fn bands(v: &Value) -> usize {
     v["order"].as_u64().unwrap() as usize
-}
-
-fn number(v: &Value) -> f64 {
-    v.as_f64().unwrap()
 }
 
 fn norm(x: &[f64]) -> f64 {
@@ -67,7 +59,7 @@ fn as_golden<T: Real>(item: &Value, method: ExpMethod) -> Exponential<T> {
 fn golden_exponentials() {
     fn check<T: Real>(series: f64, scaled: f64, eigen: f64) {
         use ExpMethod::*;
-        for item in golden("sh_exp_log") {
+        for item in items("sh_exp_log") {
             let f = numbers(&item["f"]);
             for (key, method, tolerance) in [
                 ("ps_2", Series { degree: 2 }, series),
@@ -92,9 +84,9 @@ fn golden_exponentials() {
 
 #[test]
 fn golden_hybrid() {
-    let items = golden("sh_exp_log");
-    for item in golden("ol_hyb") {
-        let source = &items[item["sh_exp_log_item"].as_u64().unwrap() as usize];
+    let sources = items("sh_exp_log");
+    for item in items("ol_hyb") {
+        let source = &sources[item["sh_exp_log_item"].as_u64().unwrap() as usize];
         let f = numbers(&source["f"]);
         for tolerance in [1e-6, 3e-5] {
             let error = if tolerance < 2e-6 {
@@ -113,8 +105,7 @@ fn golden_hybrid() {
 
 #[test]
 fn golden_optimal_linear_tables() {
-    let path = format!("{}/tests/golden/sh_airlight_normal/ol_hyb.json", env!("CARGO_MANIFEST_DIR"));
-    let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let file = golden("ol_hyb");
     for row in file["table"].as_array().unwrap() {
         let [a, b] = OptimalLinear::new(bands(row)).unwrap().factors(number(&row["norm_f_hat"]));
         let what = format!("bands {}, angle {}", bands(row), row["theta"]);
@@ -125,7 +116,7 @@ fn golden_optimal_linear_tables() {
 
 #[test]
 fn golden_logarithms() {
-    for item in golden("sh_exp_log") {
+    for item in items("sh_exp_log") {
         let (g, n) = (numbers(&item["exp_star_inf"]), bands(&item));
         let (mut out, mut out32) = (vec![0.0; g.len()], vec![0.0f32; g.len()]);
         let log = Logarithm::new(n, LogMethod::default()).unwrap();
@@ -148,7 +139,7 @@ fn golden_discs() {
         let table = CapLog::new(n, CapFit::default()).unwrap();
         assert_within(table.error(), 1e-6, "table");
         let (log, product) = (Logarithm::new(n, LogMethod::default()).unwrap(), Product::new(n, n, n).unwrap());
-        for item in golden("circle_blocker").iter().filter(|item| bands(item) == n) {
+        for item in items("circle_blocker").iter().filter(|item| bands(item) == n) {
             let g = numbers(&item["g_zonal"]);
             let (theta, want) = (number(&item["theta"]), numbers(&item["log_thesis_zonal"]));
             let what = format!("bands {n}, angle {theta}");

@@ -1,5 +1,4 @@
 //! The spherical harmonic basis against golden values, its naive twin and its theorems.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use haarmonic::Real;
 use haarmonic::nalgebra::{Complex, Matrix3, UnitVector3, Vector3};
@@ -13,21 +12,10 @@ use proptest::prelude::*;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
+use crate::support::{cases, golden, numbers};
 
 fn vector(v: &Value) -> Vector3<f64> {
     Vector3::from_vec(numbers(v))
-}
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
 }
 
 fn narrow<T: Real>(d: &Vector3<f64>) -> Vector3<T> {

@@ -1,5 +1,4 @@
 //! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and theorems.
-#![cfg(all(feature = "reference", feature = "proptest"))]
 
 use std::f64::consts::PI;
 
@@ -14,20 +13,8 @@ use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, SphereQuadra
 use haarmonic::strategies;
 use haarmonic::{Error, Real};
 use proptest::prelude::*;
-use serde_json::Value;
 
-fn golden(name: &str) -> Value {
-    let path = format!("{}/tests/golden/sh_airlight_normal/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-fn numbers(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
+use crate::support::{cases, golden, numbers};
 
 /// Largest |a − b|; NaN or infinity anywhere is infinite.
 fn worst<T: Real>(got: &[T], want: &[f64]) -> f64 {

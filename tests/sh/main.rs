@@ -1,0 +1,14 @@
+//! Spherical harmonics against naive twins, golden values, quadrature and theorems.
+//!
+//! One program, so that the library's generic code is compiled for its tests once.
+#![cfg(all(feature = "reference", feature = "proptest"))]
+
+mod basis;
+mod exp_log;
+mod light;
+mod polygon;
+mod product;
+mod project;
+mod rotate;
+mod support;
+mod zonal;
