@@ -3,8 +3,8 @@
 use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::scene::{EnvironmentLight, ToneMap, percentile_peak};
 use haarmonic::sh::{
-    Basis, CubeProjection, CubeReconstruction, DeringBy, Deringing, Extrema, LatLongReconstruction, TexelRule, Window,
-    Zonal,
+    Basis, CubeProjection, CubeReconstruction, DeringBy, DeringWindow, Deringing, Extrema, LatLongReconstruction,
+    TexelRule, Window, Zonal,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid};
 use rayon::prelude::*;
@@ -51,14 +51,21 @@ impl Study {
         Ok(study)
     }
 
-    /// The expansion as it is, under a window of fixed width, and under the mildest that keeps it positive.
+    /// The expansion as it is, under a window of fixed width, and under the mildest two that keep it positive.
     fn treat(&mut self, bands: usize) -> Result<(), Failure> {
         let plain = CubeProjection::new(self.light.grid(), bands, TexelRule::Mean)?.project::<Rgb, 3>(&self.light);
         let mut hanning = plain.clone();
         hanning.iter_mut().for_each(|c| Window::Hanning { width: bands as f64 }.apply(c));
-        let mut deringed = plain.clone();
-        Deringing::new(bands)?.apply(deringed.each_mut().map(|c| &mut c[..]), 0.0, DeringBy::AllChannels)?;
-        for (name, coefficients) in [("as it is", plain), ("Hanning", hanning), ("deringed", deringed)] {
+        let deringed = |family: DeringWindow| -> Result<Coefficients, Failure> {
+            let mut c = plain.clone();
+            let plan = Deringing::new(bands)?.with_window(family);
+            plan.apply(c.each_mut().map(|c| &mut c[..]), 0.0, DeringBy::AllChannels)?;
+            Ok(c)
+        };
+        let curvature = deringed(DeringWindow::Curvature)?;
+        let heat = deringed(DeringWindow::Gaussian)?;
+        let all = [("as it is", plain), ("Hanning", hanning), ("least curvature", curvature), ("flow of heat", heat)];
+        for (name, coefficients) in all {
             let treated = self.measure(name, bands, coefficients)?;
             self.treated.push(treated);
         }
@@ -147,7 +154,7 @@ impl Study {
         };
         let whole = |i: usize| self.light.bilinear(&grid.direction(i));
         let mut rows = vec![vec![panel(vec![format!("{}, {} texels", self.name, self.light.texels().len())], &whole)]];
-        for row in self.treated.chunks(3) {
+        for row in self.treated.chunks(4) {
             let mut panels = Vec::new();
             for t in row {
                 let plan = LatLongReconstruction::new(grid, t.bands, TexelRule::Centre)?;
