@@ -17,15 +17,12 @@ mod support;
 mod tables;
 mod times;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use args::Args;
 use clap::Parser;
-use haarmonic::io;
 use serde_json::json;
 use support::Failure;
-use support::sheet::Sheet;
 
 fn main() -> ExitCode {
     support::exit(run(&Args::parse()))
@@ -35,11 +32,11 @@ fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
     support::limit_threads(args.threads)?;
-    save(&args.out, "affine_m.png", &figure_m::draw())?;
+    support::save(&args.out, "affine_m.png", &figure_m::draw())?;
 
     let counts = counts::Counts::new(args)?;
     println!("Non-zero affine couplings of two Haar bases (ACC), most of any (s, o) tried\n\n{}", counts.table());
-    save(&args.out, "affine_counts.png", &counts.draw())?;
+    support::save(&args.out, "affine_counts.png", &counts.draw())?;
 
     let bases = bases::count()?;
     println!("Non-zero couplings (ACC) and triplings (ATC) in different bases\n\n{}", bases.table());
@@ -67,7 +64,7 @@ fn run(args: &Args) -> Result<(), Failure> {
 
     let times = times::measure()?;
     println!("A light carried to a place: 3 channels together, f32, standard basis, one thread\n\n{}", times.table());
-    save(&args.out, "affine_times.png", &times.draw())?;
+    support::save(&args.out, "affine_times.png", &times.draw())?;
 
     if let Some(path) = &args.report {
         let report = json!({
@@ -83,15 +80,10 @@ fn run(args: &Args) -> Result<(), Failure> {
                 "times": times.report(),
             },
         });
-        let text = serde_json::to_string_pretty(&report)? + "\n";
-        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        support::write_report(path, &report)?;
     }
     println!("pictures: affine_m.png, affine_counts.png, affine_times.png in {}", args.out.display());
     Ok(())
-}
-
-fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
-    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
 }
 
 /// Two numbers in [0, 1) that fill the square evenly: multiples of the inverse powers of the plastic number.

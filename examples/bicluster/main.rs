@@ -17,7 +17,6 @@ use std::process::ExitCode;
 
 use args::Args;
 use clap::Parser;
-use haarmonic::io;
 use measure::Measured;
 use serde_json::json;
 use support::{Failure, table};
@@ -43,7 +42,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     let pictures =
         [("bicluster_matrix.png", figures::matrix(last)), ("bicluster_scaling.png", figures::scaling(&all, &name))];
     for (file, sheet) in &pictures {
-        io::save_png_srgb8(args.out.join(file), sheet.width, sheet.height, &sheet.pixels)?;
+        support::save(&args.out, file, sheet)?;
     }
     println!("pictures: bicluster_matrix.png, bicluster_scaling.png in {}", args.out.display());
     if let Some(path) = &args.report {
@@ -55,8 +54,7 @@ fn run(args: &Args) -> Result<(), Failure> {
             "group_rows": args.group_rows,
             "results": all.iter().map(Measured::report).collect::<Vec<_>>(),
         });
-        let text = serde_json::to_string_pretty(&report)? + "\n";
-        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        support::write_report(path, &report)?;
     }
     Ok(())
 }

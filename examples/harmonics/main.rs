@@ -11,16 +11,13 @@ mod light;
 #[path = "../support/mod.rs"]
 mod support;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use args::Args;
 use clap::Parser;
-use haarmonic::io;
 use serde_json::json;
 use support::Failure;
 use support::environment::environment;
-use support::sheet::Sheet;
 
 fn main() -> ExitCode {
     support::exit(run(&Args::parse()))
@@ -31,12 +28,12 @@ fn run(args: &Args) -> Result<(), Failure> {
     let light = environment(&args.env)?;
     std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
     support::limit_threads(args.threads)?;
-    save(&args.out, "harmonics_basis.png", &basis::draw()?)?;
+    support::save(&args.out, "harmonics_basis.png", &basis::draw()?)?;
 
     eprintln!("projecting {} at {}x{}x6 texels", light.0, args.resolution, args.resolution);
     let study = light::Study::new(args, light)?;
     println!("A light in spherical harmonics: relative L2 errors, least values of any channel\n\n{}", study.table());
-    save(&args.out, "harmonics_light.png", &study.draw()?)?;
+    support::save(&args.out, "harmonics_light.png", &study.draw()?)?;
 
     if let Some(path) = &args.report {
         let report = json!({
@@ -47,13 +44,8 @@ fn run(args: &Args) -> Result<(), Failure> {
             "resolution": args.resolution,
             "results": study.report(),
         });
-        let text = serde_json::to_string_pretty(&report)? + "\n";
-        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        support::write_report(path, &report)?;
     }
     println!("pictures: harmonics_basis.png, harmonics_light.png in {}", args.out.display());
     Ok(())
-}
-
-fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
-    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
 }

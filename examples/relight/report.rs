@@ -5,8 +5,8 @@ use serde_json::{Map, Value, json};
 use crate::args::Args;
 use crate::methods::{Outcome, Run};
 use crate::scene::Scene;
-use crate::support::Failure;
 use crate::support::table;
+use crate::support::{Failure, write_report};
 
 /// The figures of every method, as text.
 pub fn table(run: &Run) -> String {
@@ -74,7 +74,5 @@ pub fn save(args: &Args, scene: &Scene, run: &Run) -> Result<(), Failure> {
         "visibility_s": run.visibility_s,
         "results": run.results.iter().map(result).collect::<Vec<_>>(),
     });
-    let text = serde_json::to_string_pretty(&report)? + "\n";
-    std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
-    Ok(())
+    write_report(path, &report)
 }

@@ -13,18 +13,15 @@ mod scenes;
 mod support;
 mod trips;
 
-use std::path::Path;
 use std::process::ExitCode;
 
 use args::Args;
 use clap::Parser;
-use haarmonic::io;
 use measure::Measured;
 use scenes::Scenes;
 use serde_json::json;
 use support::Failure;
 use support::progress::Bar;
-use support::sheet::Sheet;
 
 fn main() -> ExitCode {
     support::exit(run(&Args::parse()))
@@ -50,8 +47,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         println!("{} bands: mean relative L2 error against the projected visibility, by |f^|\n", measured.bands);
         println!("{}", measured.table());
     }
-    save(&args.out, "sh_exp_error.png", &charts::errors(&measured))?;
-    save(&args.out, "sh_exp_time.png", &charts::times(&measured))?;
+    support::save(&args.out, "sh_exp_error.png", &charts::errors(&measured))?;
+    support::save(&args.out, "sh_exp_time.png", &charts::times(&measured))?;
 
     let trips = trips::measure(&scenes)?;
     println!(
@@ -69,13 +66,8 @@ fn run(args: &Args) -> Result<(), Failure> {
             "results": measured.iter().flat_map(Measured::report).collect::<Vec<_>>(),
             "round_trips": trips.report(),
         });
-        let text = serde_json::to_string_pretty(&report)? + "\n";
-        std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
+        support::write_report(path, &report)?;
     }
     println!("pictures: sh_exp_error.png, sh_exp_time.png in {}", args.out.display());
     Ok(())
-}
-
-fn save(folder: &Path, name: &str, sheet: &Sheet) -> Result<(), Failure> {
-    Ok(io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
 }

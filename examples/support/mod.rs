@@ -8,6 +8,7 @@ pub mod progress;
 pub mod sheet;
 pub mod table;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Anything that ends the program with one line.
@@ -29,5 +30,18 @@ pub fn limit_threads(threads: Option<usize>) -> Result<(), Failure> {
     if let Some(threads) = threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
+    Ok(())
+}
+
+/// Writes a sheet as a PNG into `folder`.
+#[cfg(feature = "io")]
+pub fn save(folder: &Path, name: &str, sheet: &sheet::Sheet) -> Result<(), Failure> {
+    Ok(haarmonic::io::save_png_srgb8(folder.join(name), sheet.width, sheet.height, &sheet.pixels)?)
+}
+
+/// Writes the JSON object of `--report`.
+pub fn write_report(path: &Path, report: &serde_json::Value) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(report)? + "\n";
+    std::fs::write(path, text).map_err(|e| format!("{}: cannot be written: {e}", path.display()))?;
     Ok(())
 }
