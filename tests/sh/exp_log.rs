@@ -14,7 +14,7 @@ use haarmonic::{Error, Real};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{golden, number, numbers};
+use crate::support::{cases, golden, number, numbers};
 
 fn items(name: &str) -> Vec<Value> {
     let file = golden(name);
@@ -197,11 +197,6 @@ fn one(bands: usize) -> Vec<f64> {
     one
 }
 
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, ..ProptestConfig::default() }
-}
-
 #[test]
 fn exponentials_are_those_of_the_twins() {
     for bands in 1..=5 {
@@ -282,7 +277,7 @@ fn rotated(f: &[f64], rotation: &Rotation3<f64>) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases())]
 
     /// Products do not know how the axes lie; the grid has a pole, whose mark is its error.
     #[test]

@@ -9,7 +9,7 @@ use haarmonic::sh::{Product, Square, TripleTensor, gamma};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{golden, numbers};
+use crate::support::{cases, golden, numbers};
 
 fn triple(v: &Value) -> [usize; 3] {
     [0, 1, 2].map(|n| v[n].as_u64().unwrap() as usize)
@@ -477,18 +477,13 @@ fn a_wrong_length_panics() {
     Product::<f32>::new(2, 3, 2).unwrap().apply(&[0.0; 4], &[0.0; 4], &mut [0.0; 4]);
 }
 
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
-
 /// An expansion of 1 to `most` bands.
 fn expansion(most: usize) -> impl Strategy<Value = Vec<f64>> {
     (1..=most).prop_flat_map(|bands| prop::collection::vec(-10.0..10.0f64, bands * bands))
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases())]
 
     #[test]
     fn products_commute_and_distribute((f, g) in (expansion(7), expansion(7)), bands_out in 1usize..15, s in -4.0..4.0f64) {
