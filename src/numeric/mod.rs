@@ -3,10 +3,12 @@
 mod legendre;
 mod quadrature;
 mod safe;
+mod stack;
 mod sum;
 
 pub(crate) use legendre::LegendreSteps;
 pub use legendre::{legendre, legendre_all, legendre_slopes};
 pub use quadrature::GaussLegendre;
 pub use safe::{safe_acos, safe_asin, safe_sqrt};
+pub(crate) use stack::align_stack;
 pub use sum::CompensatedSum;

@@ -14,6 +14,7 @@ use super::generated::{
 use super::lane::{Element, Lane};
 use super::nodes::{Rule, factors, normalized_legendre};
 use crate::Real;
+use crate::numeric::align_stack;
 
 /// Where the text takes its numbers and leaves its results.
 pub(super) trait Site {
@@ -157,17 +158,68 @@ impl<S: Simd, T: Element, const N: usize> Site for Nodes<'_, S, T, N> {
     }
 }
 
-/// Columns of a batch as they lie, for the text by the tensor.
-struct Columns<'a, S: Simd, T> {
-    simd: S,
+/// Where a batch lies: coefficient i of the factors and of the product, from vector `first` on.
+trait Batch<T: Element> {
+    fn load<S: Simd>(&self, simd: S, factor: usize, i: usize, first: usize) -> T::Reg<S>;
+    fn store<S: Simd>(&mut self, i: usize, first: usize, value: T::Reg<S>);
+}
+
+/// Rows one after the other: good for many of them, each access is checked.
+struct Whole<'a, T> {
     count: usize,
-    first: usize,
-    a: &'a [T],
-    b: &'a [T],
+    factors: [&'a [T]; 2],
     out: &'a mut [T],
 }
 
-impl<S: Simd, T: Element> Site for Columns<'_, S, T> {
+impl<T: Element> Batch<T> for Whole<'_, T> {
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S, factor: usize, i: usize, first: usize) -> T::Reg<S> {
+        T::load(simd, &self.factors[factor][i * self.count + first..][..T::lanes::<S>()])
+    }
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, i: usize, first: usize, value: T::Reg<S>) {
+        T::store::<S>(&mut self.out[i * self.count + first..][..T::lanes::<S>()], value);
+    }
+}
+
+/// A slice for each row, all of one length: a place that is good in one is good in all, so one check serves them.
+struct Rows<'a, T, const N: usize> {
+    factors: [[&'a [T]; N]; 2],
+    out: [&'a mut [T]; N],
+}
+
+impl<'a, T, const N: usize> Rows<'a, T, N> {
+    #[inline(always)]
+    fn new(whole: Whole<'a, T>) -> Self {
+        let factors = whole.factors.map(|x| {
+            let mut rows = x.chunks_exact(whole.count);
+            std::array::from_fn(|_| rows.next().expect("a row of a factor"))
+        });
+        let mut out = whole.out.chunks_exact_mut(whole.count);
+        Self { factors, out: std::array::from_fn(|_| out.next().expect("a row of the product")) }
+    }
+}
+
+impl<T: Element, const N: usize> Batch<T> for Rows<'_, T, N> {
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S, factor: usize, i: usize, first: usize) -> T::Reg<S> {
+        T::load(simd, &self.factors[factor][i][first..][..T::lanes::<S>()])
+    }
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, i: usize, first: usize, value: T::Reg<S>) {
+        T::store::<S>(&mut self.out[i][first..][..T::lanes::<S>()], value);
+    }
+}
+
+/// A block of vectors, for the text by the tensor.
+struct Tile<'a, S: Simd, T: Element, const N: usize> {
+    simd: S,
+    a: &'a [T::Reg<S>; N],
+    b: &'a [T::Reg<S>; N],
+    out: &'a mut [T::Reg<S>; N],
+}
+
+impl<S: Simd, T: Element, const N: usize> Site for Tile<'_, S, T, N> {
     type Row = T::Reg<S>;
     #[inline(always)]
     fn constant(&self, _: usize) -> Self::Row {
@@ -179,15 +231,47 @@ impl<S: Simd, T: Element> Site for Columns<'_, S, T> {
     }
     #[inline(always)]
     fn a(&self, i: usize) -> Self::Row {
-        T::load(self.simd, &self.a[i * self.count + self.first..][..T::lanes::<S>()])
+        self.a[i]
     }
     #[inline(always)]
     fn b(&self, i: usize) -> Self::Row {
-        T::load(self.simd, &self.b[i * self.count + self.first..][..T::lanes::<S>()])
+        self.b[i]
     }
     #[inline(always)]
     fn give(&mut self, i: usize, value: Self::Row) {
-        T::store::<S>(&mut self.out[i * self.count + self.first..][..T::lanes::<S>()], value);
+        self.out[i] = value;
+    }
+}
+
+/// One vector, number by number, for the text by the tensor. What is given is stored at once: all of it together at the end would be
+/// vectorised, with more shuffles than operations.
+struct Numbers<'a, T, const N: usize> {
+    a: &'a [T; N],
+    b: &'a [T; N],
+    out: &'a mut [T; N],
+}
+
+impl<T: Element, const N: usize> Site for Numbers<'_, T, N> {
+    type Row = T::Reg<pulp::Scalar>;
+    #[inline(always)]
+    fn constant(&self, _: usize) -> Self::Row {
+        unreachable!("the text by the tensor has literals")
+    }
+    #[inline(always)]
+    fn literal(&self, value: f64) -> Self::Row {
+        T::splat(pulp::Scalar::new(), T::of(value))
+    }
+    #[inline(always)]
+    fn a(&self, i: usize) -> Self::Row {
+        T::splat(pulp::Scalar::new(), self.a[i])
+    }
+    #[inline(always)]
+    fn b(&self, i: usize) -> Self::Row {
+        T::splat(pulp::Scalar::new(), self.b[i])
+    }
+    #[inline(always)]
+    fn give(&mut self, i: usize, value: Self::Row) {
+        T::store::<pulp::Scalar>(&mut self.out[i..=i], value);
     }
 }
 
@@ -207,79 +291,94 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let (count, lanes) = (self.count, T::lanes::<S>());
-        if count < lanes {
-            self.few(simd);
+    fn with_simd<S: Simd>(self, simd: S) {
+        align_stack();
+        let count = self.count;
+        if count == 0 {
+            return;
+        }
+        if count < T::lanes::<S>() {
+            return self.few(simd);
+        }
+        let factors = [self.a, if SQUARE { self.a } else { self.b }];
+        let mut whole = Whole { count, factors, out: self.out };
+        if N <= FEW_ROWS {
+            Self::blocks(simd, self.constants, count, &mut Rows::<T, N>::new(whole));
         } else {
-            let mut first = 0;
-            while first < count {
-                // The last block overlaps the one before rather than be narrower.
-                self.block(simd, first.min(count - lanes));
-                first += lanes;
-            }
+            Self::blocks(simd, self.constants, count, &mut whole);
         }
     }
 }
+
+/// Rows up to which [`Rows`] pays.
+const FEW_ROWS: usize = 4;
 
 impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool> Call<'_, K, T, N, C, SQUARE> {
     /// The text by the tensor is run with `C` = 1: it has no constants of nodes.
     const BY_TENSOR: bool = C == 1;
 
+    /// The last block overlaps the one before rather than be narrower.
     #[inline(always)]
-    fn block<S: Simd>(&mut self, simd: S, first: usize) {
-        let count = self.count;
-        if Self::BY_TENSOR {
-            let (a, b) = (self.a, self.b);
-            return pair::<K, _, SQUARE>(&mut Columns { simd, count, first, a, b, out: self.out });
+    fn blocks<S: Simd>(simd: S, constants: &Constants<T>, count: usize, batch: &mut impl Batch<T>) {
+        let lanes = T::lanes::<S>();
+        let mut first = 0;
+        while first < count {
+            Self::block(simd, constants, batch, first.min(count - lanes));
+            first += lanes;
         }
+    }
+
+    #[inline(always)]
+    fn block<S: Simd>(simd: S, constants: &Constants<T>, batch: &mut impl Batch<T>, first: usize) {
         let zero = T::splat(simd, T::zero());
         let (mut a, mut b, mut out) = ([zero; N], [zero; N], [zero; N]);
         for i in 0..N {
-            a[i] = T::load(simd, &self.a[i * count + first..][..T::lanes::<S>()]);
+            a[i] = batch.load(simd, 0, i, first);
             if !SQUARE {
-                b[i] = T::load(simd, &self.b[i * count + first..][..T::lanes::<S>()]);
+                b[i] = batch.load(simd, 1, i, first);
             }
         }
-        if let Some(constants) = self.constants.poles.first_chunk() {
-            at_poles::<K, _, SQUARE>(&mut Block::<S, T, N, C> { simd, constants, a: &a, b: &b, out: &mut out });
-        }
-        for constants in self.constants.pairs.as_chunks::<C>().0 {
-            pair::<K, _, SQUARE>(&mut Block::<S, T, N, C> { simd, constants, a: &a, b: &b, out: &mut out });
+        if Self::BY_TENSOR {
+            pair::<K, _, SQUARE>(&mut Tile::<S, T, N> { simd, a: &a, b: &b, out: &mut out });
+        } else {
+            if let Some(constants) = constants.poles.first_chunk() {
+                at_poles::<K, _, SQUARE>(&mut Block::<S, T, N, C> { simd, constants, a: &a, b: &b, out: &mut out });
+            }
+            for constants in constants.pairs.as_chunks::<C>().0 {
+                pair::<K, _, SQUARE>(&mut Block::<S, T, N, C> { simd, constants, a: &a, b: &b, out: &mut out });
+            }
         }
         for (i, value) in out.into_iter().enumerate() {
-            T::store::<S>(&mut self.out[i * count + first..][..T::lanes::<S>()], value);
+            batch.store::<S>(i, first, value);
         }
     }
 
     /// One vector or a few, fewer than a register has lanes.
     #[inline(always)]
-    fn few<S: Simd>(&mut self, simd: S) {
-        let count = self.count;
-        if Self::BY_TENSOR {
-            let (simd, a, b) = (pulp::Scalar::new(), self.a, self.b);
-            if count == 1
-                && let ([Some(a), Some(b)], Some(out)) =
-                    ([a, b].map(|x| x.first_chunk::<N>()), self.out.first_chunk_mut::<N>())
-            {
-                // Known lengths need no checks.
-                return pair::<K, _, SQUARE>(&mut Columns { simd, count: 1, first: 0, a, b, out });
-            }
-            for first in 0..count {
-                pair::<K, _, SQUARE>(&mut Columns { simd, count, first, a, b, out: self.out });
-            }
-            return;
+    fn few<S: Simd>(self, simd: S) {
+        let (count, b) = (self.count, if SQUARE { self.a } else { self.b });
+        if let ([Some(a), Some(b)], Some(out), 1) =
+            ([self.a, b].map(|x| x.first_chunk::<N>()), self.out.first_chunk_mut::<N>(), count)
+        {
+            // Known lengths need no checks.
+            return Self::one(simd, self.constants, [a, b], out);
         }
         for v in 0..count {
-            let (mut a, mut b, mut out) = ([T::zero(); N], [T::zero(); N], [T::zero(); N]);
-            for i in 0..N {
-                a[i] = self.a[i * count + v];
-                b[i] = if SQUARE { T::zero() } else { self.b[i * count + v] };
-            }
-            Self::single(simd, self.constants, &a, &b, &mut out);
+            let [a, b] = [self.a, b].map(|x| std::array::from_fn(|i| x[i * count + v]));
+            let mut out = [T::zero(); N];
+            Self::one(simd, self.constants, [&a, &b], &mut out);
             for i in 0..N {
                 self.out[i * count + v] = out[i];
             }
+        }
+    }
+
+    #[inline(always)]
+    fn one<S: Simd>(simd: S, constants: &Constants<T>, [a, b]: [&[T; N]; 2], out: &mut [T; N]) {
+        if Self::BY_TENSOR {
+            pair::<K, _, SQUARE>(&mut Numbers { a, b, out });
+        } else {
+            Self::single(simd, constants, a, b, out);
         }
     }
 
