@@ -164,8 +164,8 @@ fn evaluation(jobs: &mut Vec<Job>) {
                 }
             }));
         }
-        for count in [INPUTS, 100_000] {
-            if count > INPUTS && bands > 10 {
+        for count in [if bands <= 4 { 256 } else { 64 }, 100_000] {
+            if count == 100_000 && bands > 10 {
                 continue;
             }
             let directions = fibonacci_directions(count);

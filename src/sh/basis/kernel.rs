@@ -123,7 +123,9 @@ pub(in crate::sh) fn walk_fixed<T: Real, const L: usize, const B: usize, V: Visi
     macro_rules! columns {
         ($($m:literal)*) => {$(
             if $m < B {
-                if $m > 0 {
+                if $m == 1 {
+                    (c, s) = (*x, *y);
+                } else if $m > 1 {
                     turn(x, y, &mut c, &mut s);
                 }
                 let first = $m * (2 * B - 1 - $m) / 2;
@@ -145,11 +147,15 @@ fn column<T: Real, const L: usize, V: Visitor<T, L>>(
     visitor: &mut V,
 ) {
     visitor.begin(m, c, s);
-    let (mut below, mut below2) = ([diagonal; L], [T::zero(); L]);
-    visitor.visit(m, m, &below, c, s);
-    for (k, &step) in steps.iter().enumerate() {
-        climb(z, step, &mut below, &mut below2);
-        visitor.visit(m + 1 + k, m, &below, c, s);
+    let mut below2 = [diagonal; L];
+    visitor.visit(m, m, &below2, c, s);
+    if let Some((&[a, _], steps)) = steps.split_first() {
+        let mut below = z.map(|z| (a * z) * diagonal);
+        visitor.visit(m + 1, m, &below, c, s);
+        for (k, &step) in steps.iter().enumerate() {
+            climb(z, step, &mut below, &mut below2);
+            visitor.visit(m + 2 + k, m, &below, c, s);
+        }
     }
     visitor.end(m, c, s);
 }
@@ -189,6 +195,31 @@ impl<T: Real, const L: usize> Visitor<T, L> for StoreRows<'_, T> {
             self.store(centre + m, &even);
             self.store(centre - m, &odd);
         }
+    }
+}
+
+/// The rows of N coefficients, all of one length, from point `first` on: a place that is good in one is good in all, so one check
+/// serves them.
+pub(in crate::sh) struct StoreFewRows<'a, T, const N: usize> {
+    pub rows: [&'a mut [T]; N],
+    pub first: usize,
+}
+
+impl<T: Real, const L: usize, const N: usize> Visitor<T, L> for StoreFewRows<'_, T, N> {
+    #[inline(always)]
+    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
+        let centre = l * (l + 1);
+        let mut store = |row: usize, value: &[T; L]| self.rows[row][self.first..][..L].copy_from_slice(value);
+        if m == 0 {
+            return store(centre, q);
+        }
+        let (mut even, mut odd) = ([T::zero(); L], [T::zero(); L]);
+        for i in 0..L {
+            even[i] = q[i] * c[i];
+            odd[i] = q[i] * s[i];
+        }
+        store(centre + m, &even);
+        store(centre - m, &odd);
     }
 }
 

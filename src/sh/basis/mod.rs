@@ -10,8 +10,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use self::gradient::{GradientPoint, GradientRows, walk_gradient};
 use self::hessian::{HessianPoint, HessianRows, walk_hessian};
-use self::kernel::{Accumulate, Dot, StorePoints, StoreRows, Table, walk, walk_fixed};
+use self::kernel::{Accumulate, Dot, StoreFewRows, StorePoints, StoreRows, Table, walk, walk_fixed};
 use crate::error::check_length;
+use crate::numeric::align_stack;
 use crate::{Error, Real, Result};
 
 pub use self::legendre::associated_legendre;
@@ -294,6 +295,7 @@ impl<J: Job> WithSimd for Batch<J> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> J::Output {
+        align_stack();
         // Two registers of AVX2 for each quantity: enough chains to hide latency, few enough to stay in registers.
         if is_narrow::<J::Scalar>() { self.0.run::<16>() } else { self.0.run::<8>() }
     }
@@ -331,11 +333,12 @@ impl<T: Real> Job for EvalRows<'_, T> {
 
     #[inline(always)]
     fn run<const L: usize>(self) {
+        let whole = self.d[0].len() >= L;
         match self.basis.bands {
-            1 => self.blocks::<L, 1>(),
-            2 => self.blocks::<L, 2>(),
-            3 => self.blocks::<L, 3>(),
-            4 => self.blocks::<L, 4>(),
+            1 if whole => self.few_rows::<L, 1, 1>(),
+            2 if whole => self.few_rows::<L, 2, 4>(),
+            3 if whole => self.few_rows::<L, 3, 9>(),
+            4 if whole => self.few_rows::<L, 4, 16>(),
             5 => self.blocks::<L, 5>(),
             6 => self.blocks::<L, 6>(),
             _ => self.blocks::<L, 0>(),
@@ -344,6 +347,20 @@ impl<T: Real> Job for EvalRows<'_, T> {
 }
 
 impl<T: Real> EvalRows<'_, T> {
+    /// B bands, N = B² rows, at least L points; the last block overlaps the one before.
+    #[inline(always)]
+    fn few_rows<const L: usize, const B: usize, const N: usize>(self) {
+        let Self { basis, d, out } = self;
+        let points = d[0].len();
+        let mut rows = out.chunks_exact_mut(points);
+        let mut store = StoreFewRows { rows: [(); N].map(|()| rows.next().expect("N rows")), first: 0 };
+        for first in (0..points).step_by(L) {
+            store.first = first.min(points - L);
+            let [x, y, z] = load_points::<T, L>(d, store.first);
+            walk_fixed::<T, L, B, _>(&basis.table, B, [&x, &y, &z], &mut store);
+        }
+    }
+
     /// B bands, or any number where B is 0.
     #[inline(always)]
     fn blocks<const L: usize, const B: usize>(self) {
@@ -352,6 +369,7 @@ impl<T: Real> EvalRows<'_, T> {
         for first in (0..stride).step_by(L) {
             let [x, y, z] = load_points::<T, L>(d, first);
             let count = L.min(stride - first);
+            // A width that is known unrolls.
             if count == L {
                 let mut store = StoreRows { out: &mut *out, stride, first, count: L };
                 walk_fixed::<T, L, B, _>(&basis.table, basis.bands, [&x, &y, &z], &mut store);
