@@ -115,16 +115,16 @@ fn twin<T: Real>(bands: usize) -> f64 {
 #[test]
 fn twin_f64() {
     for bands in [1, 2, 3, 4, 5, 6, 7, 12, 33, 64] {
-        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so.
-        assert_below(twin::<f64>(bands), 2e-15 + 1e-16 * (bands as f64).powf(2.5), &format!("bands {bands}"));
+        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so. Measured: 1.2e-17 to 2.2e-17 times bands^2.5.
+        assert_below(twin::<f64>(bands), 1e-16 + 4e-17 * (bands as f64).powf(2.5), &format!("bands {bands}"));
     }
 }
 
-/// l = 20…50 in f32, where double factorials overflow.
+/// l = 20…50 in f32, where double factorials overflow. Measured: 2.4e-9 to 6.8e-9 times bands^2.5.
 #[test]
 fn twin_f32() {
     for bands in [1, 2, 3, 4, 5, 6, 7, 12, 21, 31, 51, 64] {
-        assert_below(twin::<f32>(bands), 5e-7 + 4e-8 * (bands as f64).powf(2.5), &format!("bands {bands}"));
+        assert_below(twin::<f32>(bands), 2.5e-8 + 1.1e-8 * (bands as f64).powf(2.5), &format!("bands {bands}"));
     }
 }
 
@@ -440,7 +440,7 @@ fn nan_reaches_what_reads_it() {
     }
     for (i, y) in values(Vector3::new(f32::NAN, 0.4, 0.5)).iter().enumerate() {
         let (l, m) = degree_order(i);
-        assert_eq!(y.is_nan(), m != 0, "x, l {l}, m {m}");
+        assert_eq!(y.is_nan(), m != 0 && m != -1, "x, l {l}, m {m}");
     }
     let basis = Basis::<f64>::new(3).unwrap();
     for k in 0..3 {
@@ -599,7 +599,7 @@ proptest! {
     fn against_twin(d in direction(), bands in 1usize..=64) {
         let want = naive::basis(bands, &d);
         let error = worst(eval(bands, &d).unwrap().into_iter().zip(&want));
-        prop_assert!(error <= 2e-15 + 1e-16 * (bands as f64).powf(2.5), "{error:e}");
+        prop_assert!(error <= 1e-16 + 4e-17 * (bands as f64).powf(2.5), "{error:e}");
     }
 
     #[test]

@@ -54,7 +54,7 @@ pub(super) fn walk_gradient<T: Real, const L: usize, V: GradientVisitor<T, L>>(
             dc[i] = next * c[i];
             ds[i] = next * s[i];
         }
-        turn(d[0], d[1], &mut c, &mut s);
+        turn(m, [d[0], d[1]], &mut c, &mut s);
     }
 }
 

@@ -74,7 +74,7 @@ pub(super) fn walk_hessian<T: Real, const L: usize, V: HessianVisitor<T, L>>(
             }
         }
         let [c, s] = &mut ring[0];
-        turn(d[0], d[1], c, s);
+        turn(m, [d[0], d[1]], c, s);
     }
 }
 

@@ -54,7 +54,10 @@ impl<T: Real> Table<T> {
 
 /// (x + iy)^m → (x + iy)^{m+1}.
 #[inline(always)]
-pub(in crate::sh) fn turn<T: Real, const L: usize>(x: &[T; L], y: &[T; L], c: &mut [T; L], s: &mut [T; L]) {
+pub(in crate::sh) fn turn<T: Real, const L: usize>(m: usize, [x, y]: [&[T; L]; 2], c: &mut [T; L], s: &mut [T; L]) {
+    if m == 0 {
+        return (*c, *s) = (*x, *y);
+    }
     for i in 0..L {
         (c[i], s[i]) = (x[i] * c[i] - y[i] * s[i], x[i] * s[i] + y[i] * c[i]);
     }
@@ -101,7 +104,7 @@ pub(in crate::sh) fn walk<T: Real, const L: usize, V: Visitor<T, L>>(
         let (steps_of, rest) = steps.split_at(bands - 1 - m);
         steps = rest;
         column(m, (diagonal[m], steps_of), z, [&c, &s], visitor);
-        turn(x, y, &mut c, &mut s);
+        turn(m, [x, y], &mut c, &mut s);
     }
 }
 
@@ -123,10 +126,8 @@ pub(in crate::sh) fn walk_fixed<T: Real, const L: usize, const B: usize, V: Visi
     macro_rules! columns {
         ($($m:literal)*) => {$(
             if $m < B {
-                if $m == 1 {
-                    (c, s) = (*x, *y);
-                } else if $m > 1 {
-                    turn(x, y, &mut c, &mut s);
+                if $m > 0 {
+                    turn($m - 1, [x, y], &mut c, &mut s);
                 }
                 let first = $m * (2 * B - 1 - $m) / 2;
                 column($m, (diagonal[$m], &steps[first..first + (B - 1 - $m)]), z, [&c, &s], visitor);
