@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-use crate::support::{cases, golden, numbers};
+use crate::support::{assert_below, cases, coefficients, golden, numbers, worst_of};
 
 fn vector(v: &Value) -> Vector3<f64> {
     Vector3::from_vec(numbers(v))
@@ -36,26 +36,8 @@ fn directions() -> Vec<UnitVector3<f64>> {
     all
 }
 
-/// Largest |a − b|; NaN or infinity anywhere is infinite.
-fn worst<'a>(pairs: impl IntoIterator<Item = (f64, &'a f64)>) -> f64 {
-    pairs.into_iter().fold(0.0, |worst, (got, want)| {
-        let off = (got - want).abs();
-        if off.is_finite() { off.max(worst) } else { f64::INFINITY }
-    })
-}
-
-#[track_caller]
-fn assert_below(error: f64, tolerance: f64, what: &str) {
-    assert!(error <= tolerance, "{what}: error {error:e} exceeds {tolerance:e}");
-}
-
 fn soa<T: Real>(directions: &[UnitVector3<f64>]) -> [Vec<T>; 3] {
     [0, 1, 2].map(|k| directions.iter().map(|d| T::of(d[k])).collect())
-}
-
-/// A function of every coefficient: no zeros, no pattern, decaying.
-fn coefficients(bands: usize) -> Vec<f64> {
-    (0..bands * bands).map(|i| (1.0 + 2.3 * i as f64).sin() / (1.0 + degree_order(i).0 as f64)).collect()
 }
 
 #[test]
@@ -65,10 +47,11 @@ fn golden_basis() {
         let (d, want) = (vector(&item["dir"]), numbers(&item["y"]));
         for bands in 1..=11 {
             let want = &want[..bands * bands];
-            error = error.max(worst(eval(bands, &d).unwrap().into_iter().zip(want)));
-            error32 = error32.max(worst(eval(bands, &narrow::<f32>(&d)).unwrap().into_iter().map(f64::from).zip(want)));
+            error = error.max(worst_of(eval(bands, &d).unwrap().into_iter().zip(want)));
+            error32 =
+                error32.max(worst_of(eval(bands, &narrow::<f32>(&d)).unwrap().into_iter().map(f64::from).zip(want)));
         }
-        error = error.max(worst(naive::basis(11, &UnitVector3::new_unchecked(d)).into_iter().zip(&want)));
+        error = error.max(worst_of(naive::basis(11, &UnitVector3::new_unchecked(d)).into_iter().zip(&want)));
     }
     // l² eps times values up to 1.3, l = 10.
     assert_below(error, 2e-14, "f64");
@@ -107,7 +90,7 @@ fn twin<T: Real>(bands: usize) -> f64 {
         let d = narrow::<T>(&d);
         basis.eval(&d, &mut out);
         let exact = UnitVector3::new_unchecked(d.map(|x| x.widen()));
-        error = error.max(worst(out.iter().map(|y| y.widen()).zip(&naive::basis(bands, &exact))));
+        error = error.max(worst_of(out.iter().map(|y| y.widen()).zip(&naive::basis(bands, &exact))));
     }
     error
 }
@@ -143,7 +126,7 @@ fn largest_bands() {
             let want = ((2 * l + 1) as f64 / (4.0 * PI)).sqrt() * if l % 2 == 0 { 1.0 } else { -1.0 };
             (pole[index(l, 0)].widen() / want, &1.0)
         });
-        assert_below(worst(ratios), tolerance, "pole");
+        assert_below(worst_of(ratios), tolerance, "pole");
         let square = (1..=l).map(|k| 1.0 + 0.5 / k as f64).product::<f64>() / (2.0 * PI);
         assert_below((equator[index(l, l as isize)].widen() - square.sqrt()).abs(), tolerance, "equator");
     }
@@ -174,7 +157,7 @@ fn orthonormal() {
             }
         }
         let identity: Vec<f64> = (0..n * n).map(|k| if k / n == k % n { 1.0 } else { 0.0 }).collect();
-        assert_below(worst(gram.into_iter().zip(&identity)), 5e-14, "Gram matrix");
+        assert_below(worst_of(gram.into_iter().zip(&identity)), 5e-14, "Gram matrix");
     }
 }
 
@@ -287,7 +270,7 @@ fn accumulate<T: Real>(bands: usize, points: usize) -> f64 {
                 *want += weights[p].widen() * y;
             }
         }
-        error = error.max(worst(out.iter().map(|x| x.widen()).zip(&want)));
+        error = error.max(worst_of(out.iter().map(|x| x.widen()).zip(&want)));
     }
     error
 }
@@ -313,7 +296,7 @@ fn projection_inverts_reconstruction() {
         f.iter_mut().zip(rule.weights()).for_each(|(f, w)| *f *= w);
         let mut back = vec![0.0; c.len()];
         basis.accumulate(&x, &y, &z, [&f], [&mut back]);
-        assert_below(worst(back.into_iter().zip(&c)), 2e-14, "projected");
+        assert_below(worst_of(back.into_iter().zip(&c)), 2e-14, "projected");
     }
 }
 
@@ -330,8 +313,8 @@ fn gradient_against_differences() {
             basis.gradient(&d, &mut y, &mut g);
             basis32.gradient(&narrow(&d), &mut y32, &mut g32);
             for (i, want) in naive::basis_gradient(bands, &d).iter().enumerate() {
-                error = error.max(worst((0..3).map(|k| (g[i][k], &want[k]))));
-                error32 = error32.max(worst((0..3).map(|k| (f64::from(g32[i][k]), &want[k]))));
+                error = error.max(worst_of((0..3).map(|k| (g[i][k], &want[k]))));
+                error32 = error32.max(worst_of((0..3).map(|k| (f64::from(g32[i][k]), &want[k]))));
                 radial = radial.max(g[i].dot(&d).abs());
             }
         }
@@ -374,8 +357,8 @@ fn hessian_against_differences() {
             basis32.hessian(&narrow(&d), &mut y32, &mut g32, &mut h32);
             for (i, want) in naive::basis_hessian(bands, &d).iter().enumerate() {
                 let l = degree_order(i).0 as f64;
-                error = error.max(worst(h[i].iter().copied().zip(want)));
-                error32 = error32.max(worst(h32[i].iter().map(|&h| f64::from(h)).zip(want)));
+                error = error.max(worst_of(h[i].iter().copied().zip(want)));
+                error32 = error32.max(worst_of(h32[i].iter().map(|&h| f64::from(h)).zip(want)));
                 radial = radial.max((h[i] * d.into_inner()).amax());
                 trace = trace.max((h[i].trace() + l * (l + 1.0) * y[i]).abs());
             }
@@ -477,7 +460,7 @@ fn golden_condon_shortley() {
     for item in golden("sh_basis_cs")["items"].as_array().unwrap() {
         let want = numbers(&item["y"]);
         let y = sloan.export_values(5, &eval(5, &vector(&item["dir"])).unwrap());
-        error = error.max(worst(y.into_iter().zip(&want)));
+        error = error.max(worst_of(y.into_iter().zip(&want)));
     }
     assert_below(error, 3e-15, "with Condon–Shortley signs");
 }
@@ -558,12 +541,12 @@ proptest! {
         let c = coefficients(bands);
         let theirs = convention.export(bands, &c);
         let back = convention.import(bands, &theirs);
-        prop_assert!(worst(back.into_iter().zip(&c)) <= 4e-16);
+        prop_assert!(worst_of(back.into_iter().zip(&c)) <= 4e-16);
         let y = eval(bands, &d).unwrap();
         let sum: f64 = theirs.iter().zip(convention.export_values(bands, &y)).map(|(c, y)| c * y).sum();
         let want: f64 = c.iter().zip(&y).map(|(c, y)| c * y).sum();
         prop_assert!((sum - want).abs() <= 1e-14);
-        prop_assert!(worst(from_complex(bands, &to_complex(bands, &c)).into_iter().zip(&c)) <= 4e-16);
+        prop_assert!(worst_of(from_complex(bands, &to_complex(bands, &c)).into_iter().zip(&c)) <= 4e-16);
     }
 
     /// Σ_m y_{l,m}(a) y_{l,m}(b) = (2l+1)/4π P_l(a·b).
@@ -598,7 +581,7 @@ proptest! {
     #[test]
     fn against_twin(d in direction(), bands in 1usize..=64) {
         let want = naive::basis(bands, &d);
-        let error = worst(eval(bands, &d).unwrap().into_iter().zip(&want));
+        let error = worst_of(eval(bands, &d).unwrap().into_iter().zip(&want));
         prop_assert!(error <= 1e-16 + 4e-17 * (bands as f64).powf(2.5), "{error:e}");
     }
 

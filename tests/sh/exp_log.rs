@@ -14,7 +14,7 @@ use haarmonic::{Error, Real};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{cases, golden, number, numbers};
+use crate::support::{cases, golden, narrow, number, numbers};
 
 fn items(name: &str) -> Vec<Value> {
     let file = golden(name);
@@ -39,10 +39,6 @@ fn relative<T: Real>(got: &[T], want: &[f64]) -> f64 {
 #[track_caller]
 fn assert_within(error: f64, tolerance: f64, what: &str) {
     assert!(error <= tolerance, "{what}: {error:e} is not within {tolerance:e}");
-}
-
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
 }
 
 /// A plan whose scaled series makes as many squarings as the golden values had.

@@ -10,16 +10,7 @@ use haarmonic::sphere::fibonacci_directions;
 use haarmonic::strategies::direction;
 use proptest::prelude::*;
 
-use crate::support::{cases, golden, numbers};
-
-#[track_caller]
-fn assert_all_close<T: Real>(got: &[T], want: &[f64], tolerance: f64, what: &str) {
-    assert_eq!(got.len(), want.len(), "{what}");
-    for (i, (got, want)) in got.iter().zip(want).enumerate() {
-        let (got, off) = (got.widen(), (got.widen() - want).abs());
-        assert!(off <= tolerance, "{what}, {i}: got {got:e}, want {want:e}, off by {off:e}");
-    }
-}
+use crate::support::{assert_all_close, cases, golden, numbers};
 
 fn unit<T: Real>(lights: &Lights<T>, light: &Light<T>) -> Vec<T> {
     let mut out = vec![T::nan(); lights.bands() * lights.bands()];

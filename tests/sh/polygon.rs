@@ -8,19 +8,10 @@ use haarmonic::sh::{Basis, PolygonLight, Sides, Zonal};
 use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 
-use crate::support::cases;
+use crate::support::{cases, worst};
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m, v| m.max(v.abs()))
-}
-
-/// Largest |a − b|; NaN is infinite.
-fn worst(got: &[f64], want: &[f64]) -> f64 {
-    assert_eq!(got.len(), want.len());
-    got.iter().zip(want).fold(0.0, |worst, (got, want)| {
-        let off = (got - want).abs();
-        if off.is_finite() { off.max(worst) } else { f64::INFINITY }
-    })
 }
 
 fn eval(bands: usize, vertices: &[Vector3<f64>], horizon: Option<&Vector3<f64>>) -> Vec<f64> {

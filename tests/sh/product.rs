@@ -9,14 +9,10 @@ use haarmonic::sh::{Product, Square, TripleTensor, gamma};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{cases, golden, numbers};
+use crate::support::{assert_all_close, cases, golden, narrow, numbers};
 
 fn triple(v: &Value) -> [usize; 3] {
     [0, 1, 2].map(|n| v[n].as_u64().unwrap() as usize)
-}
-
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
 }
 
 /// Uniform in −1..1.
@@ -32,14 +28,6 @@ fn random(count: usize, seed: u64) -> Vec<f64> {
 #[track_caller]
 fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
     assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
-}
-
-#[track_caller]
-fn assert_all_close<T: Real>(got: &[T], want: &[f64], tolerance: f64, what: &str) {
-    assert_eq!(got.len(), want.len(), "{what}");
-    for (n, (got, want)) in got.iter().zip(want).enumerate() {
-        assert_close(got.widen(), *want, tolerance, &format!("{what}, coefficient {n}"));
-    }
 }
 
 fn norm(x: &[f64]) -> f64 {

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use haarmonic::Error;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{
@@ -11,38 +12,14 @@ use haarmonic::sh::{
 };
 use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, SphereQuadrature, fibonacci_directions};
 use haarmonic::strategies;
-use haarmonic::{Error, Real};
 use proptest::prelude::*;
 
-use crate::support::{cases, golden, numbers};
-
-/// Largest |a − b|; NaN or infinity anywhere is infinite.
-fn worst<T: Real>(got: &[T], want: &[f64]) -> f64 {
-    assert_eq!(got.len(), want.len());
-    got.iter().zip(want).fold(0.0, |worst, (got, want)| {
-        let off = (got.widen() - want).abs();
-        if off.is_finite() { off.max(worst) } else { f64::INFINITY }
-    })
-}
-
-#[track_caller]
-fn assert_below(error: f64, tolerance: f64, what: &str) {
-    assert!(error <= tolerance, "{what}: error {error:e} exceeds {tolerance:e}");
-}
-
-/// No zeros, no pattern, decaying with the degree.
-fn coefficients(bands: usize) -> Vec<f64> {
-    (0..bands * bands).map(|i| (1.0 + 2.3 * i as f64).sin() / (1.0 + degree_order(i).0 as f64)).collect()
-}
+use crate::support::{assert_below, cases, coefficients, golden, narrow, numbers, worst};
 
 /// A texel value with no symmetry.
 fn noise(i: usize) -> f64 {
     let x = (1.7 * i as f64 + 0.3).sin() * 43758.5453;
     x - x.floor() + 0.1
-}
-
-fn narrow<T: Real>(values: &[f64]) -> Vec<T> {
-    values.iter().map(|&x| T::of(x)).collect()
 }
 
 const RULES: [TexelRule; 2] = [TexelRule::Centre, TexelRule::Mean];
