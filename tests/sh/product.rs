@@ -114,7 +114,7 @@ fn kernels_and_grids_of_one_hot_factors_give_gamma() {
         let (count, plan) = (bands * bands, Product::<T>::new(bands, bands, bands).unwrap());
         let (square, tensor) = (Square::<T>::new(bands, bands).unwrap(), TripleTensor::new(bands).unwrap());
         // A few roundings of quantities up to bands/√4π, the largest value of the basis functions.
-        let tolerance = 0.75 * T::epsilon().widen() * bands as f64;
+        let tolerance = T::epsilon().widen() * bands as f64;
         let (mut a, mut b, mut out) = (vec![T::zero(); count], vec![T::zero(); count], vec![T::nan(); count]);
         for i in 0..count {
             a[i] = T::one();

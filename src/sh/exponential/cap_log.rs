@@ -87,12 +87,12 @@ impl<T: Real> CapLog<T> {
                 }
                 let zonal = Zonal::new(bands)?;
                 let ends = [vec![0.0], zonal.cap_kinks(Self::LARGEST, floor)?, vec![Self::LARGEST]].concat();
-                let log = |theta| Ok(over(zonal.log(&cap_less_one(bands, theta), 1.0, floor)?.log, theta));
+                let log = |theta| Ok(over(zonal.log(&cap_less_one(bands, theta)?, 1.0, floor)?.log, theta));
                 Piecewise::fit(bands, &ends, TOLERANCE, log)?
             }
             CapFit::Grid => {
                 let density = Density::new(bands)?;
-                let log = |theta| Ok(over(density.fit(&cap_less_one(bands, theta))?, theta));
+                let log = |theta| Ok(over(density.fit(&cap_less_one(bands, theta)?)?, theta));
                 Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?
             }
         };

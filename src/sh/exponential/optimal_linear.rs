@@ -118,7 +118,7 @@ struct Discs {
 impl Discs {
     /// [x, α, β] of the disc of an angle above 0.
     fn optimum(&self, theta: f64) -> Result<Vec<f64>> {
-        let mut log = self.zonal.log(&cap_less_one(self.zonal.bands(), theta), 1.0, FLOOR)?.log;
+        let mut log = self.zonal.log(&cap_less_one(self.zonal.bands(), theta)?, 1.0, FLOOR)?.log;
         log[0] = 0.0;
         let square: f64 = log.iter().map(|f| f * f).sum();
         let x = square.sqrt();

@@ -1,7 +1,5 @@
 //! Expansions about an axis: n coefficients, product matrices in blocks.
 
-use std::f64::consts::PI;
-
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::ONE;
@@ -54,7 +52,7 @@ impl Zonal {
     /// clipped or no longer, and where another block comes to have the largest.
     pub(super) fn cap_kinks(&self, largest: f64, floor: f64) -> Result<Vec<f64>> {
         const STEPS: usize = 400;
-        let state = |theta: f64| Ok::<_, Error>(self.log(&cap_less_one(self.bands, theta), 1.0, floor)?.state);
+        let state = |theta: f64| Ok::<_, Error>(self.log(&cap_less_one(self.bands, theta)?, 1.0, floor)?.state);
         let (mut kinks, mut before) = (Vec::new(), state(0.5 * largest / STEPS as f64)?);
         for k in 1..STEPS {
             let [mut low, mut high] = [k - 1, k].map(|k| largest * (k as f64 + 0.5) / STEPS as f64);
@@ -135,22 +133,6 @@ pub(super) fn check_largest(largest: f64) -> Result<f64> {
 }
 
 /// g − 1 of the visibility of a cap of half angle θ that hides what is in it, the zonal coefficients.
-///
-///   g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1),  K_l² = (2l+1)/4π     [Sun 2008, eq. 5.36]
-///
-/// with (P_{l−1} − P_{l+1})/(2l+1) = sin²θ P_l′/(l(l+1)), which keeps its digits for small θ.
-pub(super) fn cap_less_one(bands: usize, theta: f64) -> Vec<f64> {
-    let (sin, cos) = theta.sin_cos();
-    let half = (0.5 * theta).sin();
-    let mut out = vec![-ONE * half * half];
-    // P_l′ = l P_{l−1} + c P_{l−1}′.
-    let (mut p, mut below, mut slope) = (1.0, 0.0, 0.0);
-    for l in 1..bands {
-        let n = l as f64;
-        slope = n * p + cos * slope;
-        (p, below) = (((2.0 * n - 1.0) * cos * p - (n - 1.0) * below) / n, p);
-        let k = ((2.0 * n + 1.0) / (4.0 * PI)).sqrt();
-        out.push(-2.0 * PI * k * sin * sin * slope / (n * (n + 1.0)));
-    }
-    out
+pub(super) fn cap_less_one(bands: usize, theta: f64) -> Result<Vec<f64>> {
+    Ok(crate::sh::Zonal::<f64>::cap(bands, theta)?.coefficients().into_iter().map(|c| -c).collect())
 }

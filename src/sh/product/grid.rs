@@ -60,7 +60,7 @@ impl<T: Real> Nodes<T> {
         let mut nodes = Self { bands, square, most, pairs, constants, orders, by_pair, by_constant };
         let tiny = 1e-3 * T::epsilon().widen();
         for (k, &[z, weight]) in rule.pairs.iter().enumerate() {
-            let values = normalized_legendre(most, z);
+            let values = normalized_legendre(most, z)?;
             for which in [0, 1] {
                 let mut values = values.iter();
                 for m in 0..most {

@@ -73,7 +73,7 @@ impl<T: Real> Constants<T> {
         let lobatto = Rule::lobatto(degree);
         let rule = if lobatto.pairs.len() < gauss.pairs.len() { lobatto } else { gauss };
         let of = |z: f64, weight: f64| {
-            let values = normalized_legendre(bands, z);
+            let values = normalized_legendre(bands, z).expect("a size in range");
             let orders = (0..bands).flat_map(|m| std::iter::repeat_n(m, bands - m));
             [0, 1].into_iter().flat_map(move |which| {
                 let orders = orders.clone();

@@ -8,8 +8,11 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2};
 
+use nalgebra::Vector3;
+
 use crate::Result;
-use crate::numeric::GaussLegendre;
+use crate::numeric::{GaussLegendre, LegendreSteps};
+use crate::sh::eval;
 
 /// A rule for even polynomials in z on [−1, 1].
 pub(super) struct Rule {
@@ -57,39 +60,18 @@ impl Rule {
     }
 }
 
-/// P_n and its derivative, |z| < 1.
+/// P_n and its derivative.
 fn legendre(n: usize, z: f64) -> (f64, f64) {
-    let (mut before, mut current) = (1.0, z);
-    for k in 2..=n {
-        let k = k as f64;
-        (before, current) = (current, ((2.0 * k - 1.0) * z * current - (k - 1.0) * before) / k);
-    }
-    (current, n as f64 * (z * current - before) / (z * z - 1.0))
+    let mut steps = LegendreSteps::new(z);
+    (0..n).for_each(|_| steps.advance());
+    (steps.value(), steps.slope())
 }
 
-/// N P_lm(z) for m = 0…, l = m…bands − 1, one m after the other, without Condon–Shortley sign or √2.
-///
-/// Recurrence in l at fixed m from N P_mm, upwards, the stable direction; constants as in the evaluation of the basis.
-pub(super) fn normalized_legendre(bands: usize, z: f64) -> Vec<f64> {
-    let ring = ((1.0 - z) * (1.0 + z)).sqrt();
-    let mut values = Vec::with_capacity(bands * (bands + 1) / 2);
-    let mut diagonal = 0.5 / PI.sqrt();
-    for m in 0..bands {
-        if m > 0 {
-            diagonal *= ring * (1.0 + 0.5 / m as f64).sqrt();
-        }
-        let (mut below, mut current) = (0.0, diagonal);
-        values.push(current);
-        for l in m + 1..bands {
-            let (l, m) = (l as f64, m as f64);
-            let span = (l - m) * (l + m);
-            let a = ((2.0 * l - 1.0) * (2.0 * l + 1.0) / span).sqrt();
-            let b = ((l - 1.0 - m) * (l - 1.0 + m) / span * ((2.0 * l + 1.0) / (2.0 * l - 3.0))).max(0.0).sqrt();
-            (below, current) = (current, a * z * current - b * below);
-            values.push(current);
-        }
-    }
-    values
+/// N P_lm(z) for m = 0…, l = m…bands − 1, one m after the other, without Condon–Shortley sign or √2: the harmonics at φ = 0.
+pub(super) fn normalized_legendre(bands: usize, z: f64) -> Result<Vec<f64>> {
+    let values = eval(bands, &Vector3::new(((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z))?;
+    let orders = (0..bands).flat_map(|m| (m..bands).map(move |l| (l, m)));
+    Ok(orders.map(|(l, m)| values[l * (l + 1) + m] * if m == 0 { 1.0 } else { FRAC_1_SQRT_2 }).collect())
 }
 
 /// Factors of N P_lm to evaluate and, at weight `weight`, to project.
