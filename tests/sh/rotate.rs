@@ -256,7 +256,7 @@ fn batch_forms<T: Real>() -> f64 {
 #[test]
 fn every_form_agrees() {
     for (what, off) in [("f32", batch_forms::<f32>()), ("f64", batch_forms::<f64>())] {
-        println!("{what}: {off} eps");
+        // Measured: 36, of f32 matrices that are orthogonal to rounding, and 19.
         assert_below(off, 100.0, what);
     }
 }
@@ -298,11 +298,10 @@ fn single_errors<T: Real>(bands: usize) -> [f64; 2] {
 fn singles_are_as_good_as_their_conditions() {
     for bands in 2..=6 {
         let [narrow, wide] = [single_errors::<f32>(bands), single_errors::<f64>(bands)];
-        println!("{bands}: {narrow:?} {wide:?}");
         for (what, error) in [("f32", narrow), ("f64", wide)] {
-            // A matrix's own rounding is in it.
-            assert_below(error[0], 20.0 * bands as f64, &format!("{what}, matrix, bands {bands}"));
-            assert_below(error[1], 20.0 * bands as f64, &format!("{what}, quaternion, bands {bands}"));
+            // Measured: 2 to 7.
+            assert_below(error[0], 20.0, &format!("{what}, matrix, bands {bands}"));
+            assert_below(error[1], 20.0, &format!("{what}, quaternion, bands {bands}"));
         }
     }
 }
