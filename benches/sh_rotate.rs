@@ -14,6 +14,8 @@ type Turn<'a, T> = dyn Fn(usize, &[T], &mut [T]) + 'a;
 
 /// Vectors of a batch: in the second cache at every size.
 const COUNT: usize = 512;
+/// Vectors of a small batch: in the first cache up to 10 bands.
+const SMALL: usize = 64;
 const BANDS: [usize; 7] = [3, 4, 5, 6, 8, 10, 21];
 
 fn turn(i: usize) -> Rotation3<f64> {
@@ -54,6 +56,11 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
         });
         group.bench_function(BenchmarkId::new("a matrix each", bands), |b| {
             b.iter(|| many.batch_matrices(COUNT, r, black_box(&f), black_box(&mut out)));
+        });
+        group.bench_function(BenchmarkId::new(format!("one rotation, {SMALL} at a time"), bands), |b| {
+            let size = SMALL * bands * bands;
+            let (f, out) = (&f[..size], &mut out[..size]);
+            b.iter(|| (0..COUNT / SMALL).for_each(|_| one.batch(SMALL, black_box(f), black_box(out))));
         });
         let mut turned = f.clone();
         group.bench_function(BenchmarkId::new("about z", bands), |b| {

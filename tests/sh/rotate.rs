@@ -205,7 +205,9 @@ fn poses(count: usize) -> Vec<Rotation3<f64>> {
     turns().into_iter().cycle().take(count).collect()
 }
 
-fn batch_forms<T: Real>() {
+/// The largest difference in eps between a rotation each and single calls.
+fn batch_forms<T: Real>() -> f64 {
+    let mut worst = 0f64;
     for bands in [1, 2, 3, 4, 5, 6, 7, 8, 17] {
         let n = bands * bands;
         let (rotator, plan) = (Rotator::<T>::new(bands).unwrap(), Rotation::<T>::new(bands, &turns()[1]).unwrap());
@@ -235,23 +237,94 @@ fn batch_forms<T: Real>() {
                 rotate_z(angles[v], &mut want[3]);
                 for (k, (out, want)) in outs.iter().zip(&want).enumerate() {
                     for i in 0..n {
-                        assert_eq!(out[i * count + v], want[i], "form {k}, bands {bands}, vector {v} of {count}, {i}");
+                        let (got, want) = (out[i * count + v], want[i]);
+                        // Up to six bands a single rotation takes another way, of a matrix that is one to rounding only.
+                        if k < 2 {
+                            worst = worst.max((got - want).abs().widen() / T::epsilon().widen());
+                        } else {
+                            assert_eq!(got, want, "form {k}, bands {bands}, vector {v} of {count}, {i}");
+                        }
                     }
                 }
             }
         }
     }
+    worst
 }
 
-/// Vector by vector, or many at once with padded ends and flat rotations among others: the same bits.
+/// Vector by vector, or many at once with padded ends and flat rotations among others.
 #[test]
-fn every_form_agrees_f32() {
-    batch_forms::<f32>();
+fn every_form_agrees() {
+    for (what, off) in [("f32", batch_forms::<f32>()), ("f64", batch_forms::<f64>())] {
+        // Measured: 36, of f32 matrices that are orthogonal to rounding, and 19.
+        assert_below(off, 100.0, what);
+    }
+}
+
+/// Of single calls against the twin, in eps of the largest coefficient: by matrix and by quaternion.
+fn single_errors<T: Real>(bands: usize) -> [f64; 2] {
+    let (f, mut errors) = (coefficients(bands), [0f64; 2]);
+    let rotator = Rotator::<T>::new(bands).unwrap();
+    let known: Vec<T> = narrow(&f);
+    let f: Vec<f64> = known.iter().map(|f| f.widen()).collect();
+    let want = |turn: &Rotation3<f64>| -> Vec<f64> {
+        let blocks = naive::rotation(bands, turn);
+        let row = |i: usize| &blocks[degree_order(i).0][(i - degree_order(i).0.pow(2)) * (2 * degree_order(i).0 + 1)..];
+        (0..f.len())
+            .map(|i| {
+                row(i)
+                    .iter()
+                    .zip(&f[degree_order(i).0.pow(2)..])
+                    .take(2 * degree_order(i).0 + 1)
+                    .map(|(m, f)| m * f)
+                    .sum()
+            })
+            .collect()
+    };
+    for turn in turns() {
+        let mut out = vec![T::nan(); f.len()];
+        let matrix = turn.matrix().map(|x| T::of(x));
+        rotator.apply(&Rotation3::from_matrix_unchecked(matrix), &known, &mut out);
+        errors[0] = errors[0].max(worst(&out, &want(&turn)));
+        let q = UnitQuaternion::from_rotation_matrix(&turn).coords.map(|x| T::of(x));
+        let exact = UnitQuaternion::new_normalize(Quaternion::from(q.map(|x| x.widen())));
+        rotator.apply_quaternion(&UnitQuaternion::new_unchecked(Quaternion::from(q)), &known, &mut out);
+        errors[1] = errors[1].max(worst(&out, &want(&exact.to_rotation_matrix())));
+    }
+    errors.map(|error| error / T::epsilon().widen())
 }
 
 #[test]
-fn every_form_agrees_f64() {
-    batch_forms::<f64>();
+fn singles_are_as_good_as_their_conditions() {
+    for bands in 2..=6 {
+        let [narrow, wide] = [single_errors::<f32>(bands), single_errors::<f64>(bands)];
+        for (what, error) in [("f32", narrow), ("f64", wide)] {
+            // Measured: 2 to 7.
+            assert_below(error[0], 20.0, &format!("{what}, matrix, bands {bands}"));
+            assert_below(error[1], 20.0, &format!("{what}, quaternion, bands {bands}"));
+        }
+    }
+}
+
+/// Beside the rotations that are done without rounding: nothing jumps.
+#[test]
+fn nearly_flat() {
+    let f = coefficients(6);
+    let rotator = Rotator::<f32>::new(6).unwrap();
+    let narrow: Vec<f32> = narrow(&f);
+    for [w, y] in [[0.8f32, 0.0], [0.0, 0.8]] {
+        let by = |tilt: f32| {
+            // Turns about z and half turns about another axis, tilted.
+            let q = if y == 0.0 { [tilt, 0.0, 0.6, w] } else { [0.6, y, tilt, 0.0] };
+            let mut out = vec![f32::NAN; f.len()];
+            rotator.apply_quaternion(&UnitQuaternion::new_unchecked(Quaternion::from(q)), &narrow, &mut out);
+            out
+        };
+        let flat: Vec<f64> = by(0.0).into_iter().map(f64::from).collect();
+        for tilt in [1e-30, 1e-18, 1e-13, 5e-13, 1e-12, 2e-12, 1e-9] {
+            assert_below(worst(&by(tilt), &flat), 3e-6, &format!("tilt {tilt:e}"));
+        }
+    }
 }
 
 #[test]
@@ -270,15 +343,19 @@ fn input_that_is_not_quite_a_rotation() {
         assert_below(worst(&by(q * scale), &want), 5e-15, "scaled quaternion");
     }
     assert_eq!(by(Quaternion::new(0.0, 0.0, 0.0, 0.0)), f);
-    // A matrix off by δ: a rotation off by as much, lengths kept.
+    // A matrix off by δ: a result off by as much, up to the degree.
     for delta in [1e-9, 1e-3, 0.05] {
         let off = turn.matrix() + Matrix3::from_fn(|i, j| delta * ((5 * i + 3 * j) as f64).sin());
         let out = rotated(&f, &Rotation3::from_matrix_unchecked(off));
         assert_below(worst(&out, &want), 20.0 * delta, "matrix");
         assert!(worst(&out, &want) > 0.1 * delta);
-        for l in 0..6 {
+        // The plan, and more bands, take some rotation near by: lengths are kept.
+        let (f, plan) = (coefficients(8), Rotation::<f64>::new(8, &Rotation3::from_matrix_unchecked(off)).unwrap());
+        let (planned, out) = (apply::<f64>(&plan, &f), rotated(&f, &Rotation3::from_matrix_unchecked(off)));
+        for l in 0..8 {
             let norm = |c: &[f64]| c[l * l..(l + 1) * (l + 1)].iter().map(|c| c * c).sum::<f64>().sqrt();
-            assert_below((norm(&out) - norm(&f)).abs(), 2e-15, "norm");
+            assert_below((norm(&planned) - norm(&f)).abs(), 4e-15, "norm, plan");
+            assert_below((norm(&out) - norm(&f)).abs(), if l < 6 { 20.0 * delta } else { 4e-15 }, "norm");
         }
     }
     // Nothing to turn by is no turn.
@@ -355,7 +432,8 @@ proptest! {
             let norm = |c: &[f32]| c[l * l..(l + 1) * (l + 1)].iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt();
             // Tiny ones lose digits below the smallest normal number.
             let tolerance = 5e-7 * (1.0 + l as f64).sqrt() * norm(&f) + 4e-45 * l as f64;
-            for out in [&out, &by_plan] {
+            // Sampling keeps it to its condition.
+            for (out, tolerance) in [(&out, if l < 6 { 3.0 * tolerance } else { tolerance }), (&by_plan, tolerance)] {
                 prop_assert!((norm(out) - norm(&f)).abs() <= tolerance, "degree {}: {} {}", l, norm(out), norm(&f));
             }
         }
@@ -368,9 +446,11 @@ proptest! {
         let once: Vec<f64> = apply(&plans[2], &f);
         let tolerance = 1.5e-15 * bands as f64;
         prop_assert!(worst(&apply::<f64>(&plans[0], &apply::<f64>(&plans[1], &f)), &once) <= tolerance);
-        prop_assert!(worst(&rotated(&rotated(&f, &b), &a), &once) <= tolerance);
+        // Sampling, up to six bands: 7e-15 a rotation measured.
+        let sampled = tolerance + 2e-14;
+        prop_assert!(worst(&rotated(&rotated(&f, &b), &a), &once) <= sampled);
         prop_assert!(worst(&apply::<f64>(&plans[0].inverse(), &apply::<f64>(&plans[0], &f)), &f) <= tolerance);
-        prop_assert!(worst(&rotated(&rotated(&f, &a), &a.inverse()), &f) <= tolerance);
+        prop_assert!(worst(&rotated(&rotated(&f, &a), &a.inverse()), &f) <= sampled);
     }
 
     /// A product that loses nothing can be rotated before or after.
@@ -382,7 +462,7 @@ proptest! {
         let (mut before, mut after) = (vec![0.0; out * out], vec![0.0; out * out]);
         product.apply(&f, &g, &mut after);
         product.apply(&rotated(&f, &turn), &rotated(&g, &turn), &mut before);
-        prop_assert!(worst(&rotated(&after, &turn), &before) <= 2e-15 * bands as f64);
+        prop_assert!(worst(&rotated(&after, &turn), &before) <= 6e-15 * bands as f64);
     }
 
     #[test]

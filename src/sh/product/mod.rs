@@ -16,7 +16,7 @@
 mod generated;
 mod grid;
 mod kernel;
-mod lane;
+pub(super) mod lane;
 mod matrix;
 mod nodes;
 mod table;

@@ -1,9 +1,11 @@
 //! Rotation of expansions.
 
 mod about_z;
+mod blocks;
 mod chain;
 mod rotation;
 mod rotator;
+mod sample;
 mod single;
 mod swap;
 mod turns;

@@ -1,9 +1,15 @@
 //! One rotation, many vectors.
 
 use nalgebra::{Rotation3, UnitQuaternion};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
-use super::rotator::Rotator;
+use super::blocks;
+use super::chain::rotate_flat;
+use super::single;
+use super::swap::Swap;
+use super::turns::{
+    Flat, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
+};
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -22,7 +28,7 @@ pub(super) fn check_bands(bands: usize) -> Result<()> {
 ///   y(Rω) = M y(ω),  (Rf)(ω) = f(R⁻¹ω) has the coefficients M f                  [Sun 2008, eq. 2.11: see docs/errata.md]
 ///   M(R₁R₂) = M(R₁) M(R₂),  M(R⁻¹) = Mᵀ
 ///
-/// Built in `f64` from constant matrices, as [`Rotator`] says, and then narrowed; what it says of degenerate rotations and of matrices
+/// Built in `f64` from constant matrices, as [`Rotator`](super::Rotator) says, and then narrowed; what it says of degenerate rotations and of matrices
 /// that are not quite orthogonal holds here.
 ///
 /// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
@@ -44,12 +50,15 @@ pub struct Rotation<T> {
     bands: usize,
     /// Block after block, row-major.
     blocks: Vec<T>,
+    /// The same, for batches.
+    tiles: Vec<T>,
+    run: blocks::Run<T>,
     arch: Arch,
 }
 
 /// Entries before block l: Σ (2k+1)² for k < l.
 #[inline(always)]
-const fn block_start(l: usize) -> usize {
+pub(super) const fn block_start(l: usize) -> usize {
     l * (4 * l * l - (l > 0) as usize) / 3
 }
 
@@ -60,7 +69,8 @@ impl<T: Real> Rotation<T> {
     /// [`Error::OutOfRange`] if `bands` is 0 or more than 128; [`Error::NotFinite`] if an entry of the matrix is NaN or infinite.
     pub fn new(bands: usize, rotation: &Rotation3<f64>) -> Result<Self> {
         check_finite("rotation matrix entry", rotation.matrix().as_slice())?;
-        Self::by_columns(bands, |rotator, f, out| rotator.apply(rotation, f, out))
+        let r = entries(rotation);
+        Self::by_columns(bands, matrix_turns(&r.map(|r| [r])), || matrix_flat(&r))
     }
 
     /// The plan of a rotation that is given as a quaternion.
@@ -69,12 +79,19 @@ impl<T: Real> Rotation<T> {
     /// As [`new`](Self::new).
     pub fn from_quaternion(bands: usize, rotation: &UnitQuaternion<f64>) -> Result<Self> {
         check_finite("quaternion component", rotation.quaternion().coords.as_slice())?;
-        Self::by_columns(bands, |rotator, f, out| rotator.apply_quaternion(rotation, f, out))
+        let q = components(rotation);
+        Self::by_columns(bands, quaternion_turns(&q.map(|q| [q])), || quaternion_flat(q))
     }
 
     /// Column m' of all blocks at once is the rotated sum of all y_{l,m'}.
-    fn by_columns(bands: usize, rotate: impl Fn(&Rotator<f64>, &[f64], &mut [f64])) -> Result<Self> {
-        let rotator = Rotator::<f64>::new(bands)?;
+    fn by_columns(
+        bands: usize,
+        (turns, [across]): (Turns<f64, 1>, [f64; 1]),
+        flat: impl FnOnce() -> Flat<f64>,
+    ) -> Result<Self> {
+        check_bands(bands)?;
+        let table = Swap::<f64>::new(bands);
+        let flat = (across < tiny()).then(flat);
         let mut blocks = vec![T::zero(); block_start(bands)];
         let (mut hot, mut column) = (vec![0.0; bands * bands], vec![0.0; bands * bands]);
         let centre = |l: usize| l * (l + 1);
@@ -83,7 +100,11 @@ impl<T: Real> Rotation<T> {
             let place = |l: usize| (l + order).checked_sub(bands - 1).filter(|&j| j < 2 * l + 1);
             hot.fill(0.0);
             (0..bands).filter_map(|l| Some(centre(l) - l + place(l)?)).for_each(|i| hot[i] = 1.0);
-            rotate(&rotator, &hot, &mut column);
+            column[0] = hot[0];
+            match &flat {
+                Some(flat) => rotate_flat(0..bands, flat, &hot, &mut column, [1, 0]),
+                None => single::rotate(&table, 1..bands, &turns, &hot, &mut column),
+            }
             for l in 0..bands {
                 let Some(j) = place(l) else { continue };
                 let size = 2 * l + 1;
@@ -93,7 +114,8 @@ impl<T: Real> Rotation<T> {
                 }
             }
         }
-        Ok(Self { bands, blocks, arch: Arch::new() })
+        let tiles = blocks::tiles(bands, &blocks);
+        Ok(Self { bands, blocks, tiles, run: blocks::choose(), arch: Arch::new() })
     }
 
     /// The number of bands.
@@ -119,7 +141,8 @@ impl<T: Real> Rotation<T> {
             let (block, size) = (self.block(l), 2 * l + 1);
             blocks.extend((0..size * size).map(|k| block[k % size * size + k / size]));
         }
-        Self { bands: self.bands, blocks, arch: self.arch }
+        let tiles = blocks::tiles(self.bands, &blocks);
+        Self { bands: self.bands, blocks, tiles, run: self.run, arch: self.arch }
     }
 
     /// `out` = `f` rotated.
@@ -147,10 +170,10 @@ impl<T: Real> Rotation<T> {
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
         check_length("coefficients", self.bands * self.bands * count, f.len());
         check_length("rotated coefficients", self.bands * self.bands * count, out.len());
-        if count < lanes::<T>() {
+        if count < blocks::least::<T>() {
             (0..count).for_each(|v| self.one([count, v], f, out));
         } else {
-            self.arch.dispatch(Batch { rotation: self, count, f, out });
+            (self.run)(self.arch, (self.bands, &self.tiles), count, f, out);
         }
     }
 
@@ -173,194 +196,9 @@ fn dot<'a, T: Real>(row: &[T], mut f: impl Iterator<Item = &'a T>) -> T {
     row[1..].iter().zip(f).fold(first, |sum, (&m, &f)| sum + m * f)
 }
 
-/// Vectors of a block: two AVX2 registers.
-const fn lanes<T>() -> usize {
-    if size_of::<T>() == 4 { 16 } else { 8 }
-}
-
 fn check_finite(what: &'static str, values: &[f64]) -> Result<()> {
     match values.iter().position(|x| !x.is_finite()) {
         Some(index) => Err(Error::NotFinite { what, index }),
         None => Ok(()),
-    }
-}
-
-/// A batch; run by `pulp` with the instructions that the machine has.
-struct Batch<'a, T> {
-    rotation: &'a Rotation<T>,
-    count: usize,
-    f: &'a [T],
-    out: &'a mut [T],
-}
-
-impl<T: Real> WithSimd for Batch<'_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        if size_of::<T>() == 4 { self.run::<8>() } else { self.run::<4>() }
-    }
-}
-
-impl<T: Real> Batch<'_, T> {
-    /// Degree by degree; the last block of vectors has 2W as well, some for the second time.
-    #[inline(always)]
-    fn run<const W: usize>(self) {
-        let Self { rotation, count, f, out } = self;
-        macro_rules! degrees {
-            ($($l:literal: $($rows:literal)*;)*) => {$(
-                if rotation.bands > $l {
-                    const N: usize = 2 * $l + 1;
-                    let rows = $l * $l * count..($l + 1) * ($l + 1) * count;
-                    let mut low = Low::<T, N>::new(&f[rows.clone()], &mut out[rows], count);
-                    let block = &rotation.blocks[block_start($l)..][..N * N];
-                    for at in (0..count).step_by(2 * W) {
-                        let first = at.min(count - 2 * W);
-                        let vectors = low.load::<W>(first);
-                        let mut row = 0;
-                        $(
-                            low.multiply::<W, $rows>(&block[row * N..][..$rows * N], &vectors, [row, first]);
-                            #[allow(unused_assignments, reason = "the last one's")]
-                            {
-                                row += $rows;
-                            }
-                        )*
-                    }
-                }
-            )*};
-        }
-        degrees!(0: 1; 1: 3; 2: 5; 3: 4 3; 4: 5 4; 5: 4 4 3;);
-        if rotation.bands > 6 {
-            let local = &mut [[[T::zero(); W]; 2]; 2 * MAX_BANDS];
-            let mut io = Io { f, out, count, first: 0, local };
-            for at in (0..count).step_by(2 * W) {
-                io.first = at.min(count - 2 * W);
-                for l in 6..rotation.bands {
-                    rotation.degree(l, &mut io);
-                }
-            }
-        }
-    }
-}
-
-/// The N rows of a degree, in and out: a row known by its slice is checked once.
-struct Low<'a, T, const N: usize> {
-    f: [&'a [T]; N],
-    out: [&'a mut [T]; N],
-}
-
-impl<'a, T: Real, const N: usize> Low<'a, T, N> {
-    #[inline(always)]
-    fn new(f: &'a [T], out: &'a mut [T], count: usize) -> Self {
-        let (mut f, mut out) = (f.chunks_exact(count), out.chunks_exact_mut(count));
-        Self {
-            f: std::array::from_fn(|_| f.next().expect("N rows")),
-            out: std::array::from_fn(|_| out.next().expect("N rows")),
-        }
-    }
-
-    #[inline(always)]
-    fn load<const W: usize>(&self, first: usize) -> [[[T; W]; 2]; N] {
-        let mut vectors = [[[T::zero(); W]; 2]; N];
-        for j in 0..N {
-            let (halves, _) = self.f[j][first..][..2 * W].as_chunks::<W>();
-            vectors[j] = [halves[0], halves[1]];
-        }
-        vectors
-    }
-
-    /// R rows of a block, from `row` on, times the vectors.
-    #[inline(always)]
-    fn multiply<const W: usize, const R: usize>(
-        &mut self,
-        block: &[T],
-        vectors: &[[[T; W]; 2]; N],
-        [row, first]: [usize; 2],
-    ) {
-        let mut sums = [[[T::zero(); W]; 2]; R];
-        for j in 0..N {
-            for r in 0..R {
-                add(j == 0, &mut sums[r], block[r * N + j], &vectors[j]);
-            }
-        }
-        for r in 0..R {
-            self.out[row + r][first..][..2 * W].copy_from_slice(sums[r].as_flattened());
-        }
-    }
-}
-
-/// Vectors first..first + 2W of `count`, in and out.
-struct Io<'a, T, const W: usize> {
-    f: &'a [T],
-    out: &'a mut [T],
-    count: usize,
-    first: usize,
-    local: &'a mut [[[T; W]; 2]],
-}
-
-impl<T: Real, const W: usize> Io<'_, T, W> {
-    #[inline(always)]
-    fn load(&self, row: usize) -> [[T; W]; 2] {
-        let (halves, _) = self.f[row * self.count + self.first..][..2 * W].as_chunks::<W>();
-        [halves[0], halves[1]]
-    }
-
-    /// R rows of a block, from `row` on, times `size` vectors.
-    #[inline(always)]
-    fn multiply_any<const R: usize>(&mut self, block: &[T], size: usize, row: usize) {
-        let rows: [&[T]; R] = std::array::from_fn(|r| &block[r * size..][..size]);
-        let mut sums = [[[T::zero(); W]; 2]; R];
-        let (head, tail) = self.local[..size].split_first().expect("a vector");
-        for r in 0..R {
-            add(true, &mut sums[r], rows[r][0], head);
-        }
-        for (j, vectors) in (1..).zip(tail) {
-            for r in 0..R {
-                add(false, &mut sums[r], rows[r][j], vectors);
-            }
-        }
-        self.store(row, &sums);
-    }
-
-    #[inline(always)]
-    fn store<const R: usize>(&mut self, row: usize, sums: &[[[T; W]; 2]; R]) {
-        for (r, sums) in sums.iter().enumerate() {
-            self.out[(row + r) * self.count + self.first..][..2 * W].copy_from_slice(sums.as_flattened());
-        }
-    }
-}
-
-/// Adds a term, or sets the first one.
-#[inline(always)]
-fn add<T: Real, const W: usize>(first: bool, sum: &mut [[T; W]; 2], entry: T, vectors: &[[T; W]; 2]) {
-    for h in 0..2 {
-        for i in 0..W {
-            let term = entry * vectors[h][i];
-            sum[h][i] = if first { term } else { sum[h][i] + term };
-        }
-    }
-}
-
-impl<T: Real> Rotation<T> {
-    #[inline(always)]
-    fn degree<const W: usize>(&self, l: usize, io: &mut Io<'_, T, W>) {
-        let size = 2 * l + 1;
-        for j in 0..size {
-            io.local[j] = io.load(l * l + j);
-        }
-        let block = &self.blocks[block_start(l)..block_start(l + 1)];
-        // As even as can be.
-        let tiles = size.div_ceil(5);
-        let mut row = 0;
-        for tile in 0..tiles {
-            let rows = (size - row).div_ceil(tiles - tile);
-            let block = &block[row * size..];
-            match rows {
-                3 => io.multiply_any::<3>(block, size, l * l + row),
-                4 => io.multiply_any::<4>(block, size, l * l + row),
-                _ => io.multiply_any::<5>(block, size, l * l + row),
-            }
-            row += rows;
-        }
     }
 }

@@ -7,8 +7,9 @@ use super::chain::{
     Columns, Powers, degree_1, degree_2, degree_3, degree_4, degree_5, powers, rotate_degree, rotate_flat,
 };
 use super::rotation::{MAX_BANDS, check_bands};
-use super::single::{self, Single};
-use super::swap::{QUAD, Swap, quads};
+use super::sample::{self, Pose, Samples};
+use super::single;
+use super::swap::Swap;
 use super::turns::{
     Flat, Poses, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
 };
@@ -28,12 +29,14 @@ const UNROLLED: usize = 6;
 ///   (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
 ///
 /// Z turns about z, (m, −m) by mα; P, the constant matrix of the mirror that swaps y and z, is three quarters zeros. cos and sin of the
-/// turns are algebraic in the rotation: no angle, no trigonometric function. Where one rotation is for many vectors, a
-/// [`Rotation`](super::Rotation) is faster.
+/// turns are algebraic in the rotation: no angle, no trigonometric function. That is what batches do. A single expansion has its first
+/// six bands rotated by sampling: f at R⁻¹ of a few fixed directions, then the coefficients that have these samples; no root, no
+/// special axis. The two differ by rounding. Where one rotation is for many vectors, a [`Rotation`](super::Rotation) is faster.
 ///
-/// Every rotation is good: those that keep or reverse the z axis are done without P, without rounding if they are half turns or none.
+/// Every rotation is good: those that keep or reverse the z axis are done without either, without rounding if they are half turns or none.
 /// A quaternion need not have length 1: any length from 1e-3 to 1e6 gives the same rotation, 0 none. Of a matrix that
-/// is not quite orthogonal some rotation is taken that is as far off as the matrix. Whatever the input, lengths are kept to rounding.
+/// is not quite orthogonal, off by δ, the chain takes some rotation that is as far off, and keeps lengths to rounding; sampling evaluates
+/// the y_{lm} as polynomials at Rᵀd_i, so results and lengths are off by a few l δ.
 /// NaN in a rotation reaches all coefficients of its vector but the first, NaN in a coefficient those of its degree.
 ///
 /// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
@@ -53,6 +56,8 @@ const UNROLLED: usize = 6;
 pub struct Rotator<T> {
     bands: usize,
     table: Swap<T>,
+    samples: Samples<T>,
+    sampled: Option<sample::Run<T>>,
     arch: Arch,
 }
 
@@ -63,7 +68,13 @@ impl<T: Real> Rotator<T> {
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if `bands` is 0 or more than 128.
     pub fn new(bands: usize) -> Result<Self> {
         check_bands(bands)?;
-        Ok(Self { bands, table: Swap::new(bands), arch: Arch::new() })
+        Ok(Self {
+            bands,
+            table: Swap::new(bands),
+            samples: Samples::new(bands.min(sample::MOST_BANDS)),
+            sampled: sample::choose(bands.min(sample::MOST_BANDS)),
+            arch: Arch::new(),
+        })
     }
 
     /// The number of bands.
@@ -79,24 +90,34 @@ impl<T: Real> Rotator<T> {
     #[track_caller]
     pub fn apply(&self, rotation: &Rotation3<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
-        let r = entries(rotation);
-        let [a, b, c, d, e, g, h, i, j] = r;
-        self.one(matrix_turns(&[[a], [b], [c], [d], [e], [g], [h], [i], [j]]), || matrix_flat(&r), f, out);
+        let pose = Pose::Matrix(&rotation.matrix().data.0);
+        let r = || entries(rotation);
+        let [_, _, x, _, _, y, ..] = r();
+        if x * x + y * y < tiny() {
+            return self.flat(&matrix_flat(&r()), f, out);
+        }
+        self.one(&pose, || matrix_turns(&r().map(|x| [x])).0, f, out);
     }
 
-    /// `out` = `f` rotated by a quaternion; a little faster than by a matrix.
+    /// `out` = `f` rotated by a quaternion.
     ///
     /// # Panics
     /// If `f.len()` or `out.len()` is not bands².
     #[track_caller]
     pub fn apply_quaternion(&self, rotation: &UnitQuaternion<T>, f: &[T], out: &mut [T]) {
         self.check(1, f, out);
-        let [x, y, z, w] = components(rotation);
-        self.one(quaternion_turns(&[[x], [y], [z], [w]]), || quaternion_flat([x, y, z, w]), f, out);
+        let q = || components(rotation);
+        let [x, y, z, w] = q();
+        let [about, across] = [w * w + z * z, x * x + y * y];
+        if about * across < tiny() {
+            return self.flat(&quaternion_flat(q()), f, out);
+        }
+        let pose = Pose::Quaternion(&rotation.as_ref().coords.data.0[0], (T::one() + T::one()) / (about + across));
+        self.one(&pose, || quaternion_turns(&q().map(|x| [x])).0, f, out);
     }
 
-    /// `count` expansions, each rotated by its quaternion x, y, z, w: the same bits as [`apply_quaternion`](Self::apply_quaternion) one by
-    /// one, but for the sign of zeros.
+    /// `count` expansions, each rotated by its quaternion x, y, z, w, as [`apply_quaternion`](Self::apply_quaternion) would up to rounding.
+    /// A vector's result does not depend on the others.
     ///
     /// # Panics
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -109,8 +130,8 @@ impl<T: Real> Rotator<T> {
         self.many(count, &Poses::Quaternions(quaternions), f, out);
     }
 
-    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row: the same bits as [`apply`](Self::apply) one by one, but
-    /// for the sign of zeros.
+    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row, as [`apply`](Self::apply) would up to rounding,
+    /// if the matrix is orthogonal to rounding.
     ///
     /// # Panics
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -129,42 +150,21 @@ impl<T: Real> Rotator<T> {
         check_length("rotated coefficients", self.bands * self.bands * count, out.len());
     }
 
-    #[inline(always)]
-    fn one(&self, (turns, [across]): (Turns<T, 1>, [T; 1]), flat: impl FnOnce() -> Flat<T>, f: &[T], out: &mut [T]) {
-        if across < tiny() {
-            out[0] = f[0];
-            rotate_flat(0..self.bands, &flat(), f, out, [1, 0]);
-        } else if self.bands <= UNROLLED {
-            self.one_of::<{ UNROLLED / 2 }>(&turns, f, out);
-        } else if self.bands <= 16 {
-            self.one_of::<8>(&turns, f, out);
-        } else {
-            self.one_of::<{ MAX_BANDS / 2 }>(&turns, f, out);
-        }
+    #[cold]
+    fn flat(&self, flat: &Flat<T>, f: &[T], out: &mut [T]) {
+        out[0] = f[0];
+        rotate_flat(0..self.bands, flat, f, out, [1, 0]);
     }
 
-    /// One expansion of up to 2K bands.
-    #[inline(never)]
-    fn one_of<const K: usize>(&self, turns: &Turns<T, 1>, f: &[T], out: &mut [T]) {
-        out[0] = f[0];
-        if self.bands == 1 {
-            return;
+    /// One expansion: the first six bands by sampling, those above by the chain.
+    #[inline(always)]
+    fn one(&self, pose: &Pose<'_, T>, turns: impl FnOnce() -> Turns<T, 1>, f: &[T], out: &mut [T]) {
+        match self.sampled {
+            Some(run) => run(&self.samples, self.arch, pose, f, out),
+            None => out[0] = f[0],
         }
-        let single = Single { table: &self.table, powers: single::powers::<T, K>(self.bands, turns) };
-        macro_rules! unrolled {
-            ($($l:literal)*) => {$(
-                if self.bands > $l {
-                    let [mut v, mut u] = [[[T::zero(); QUAD]; quads($l)]; 2];
-                    single.rotate($l, f, out, [&mut v, &mut u]);
-                }
-            )*};
-        }
-        unrolled!(1 2 3 4 5);
-        if K > UNROLLED / 2 {
-            let [mut v, mut u] = [[[T::zero(); QUAD]; K]; 2];
-            for l in UNROLLED..self.bands {
-                single.rotate(l, f, out, [&mut v, &mut u]);
-            }
+        if self.bands > sample::MOST_BANDS {
+            single::rotate(&self.table, sample::MOST_BANDS..self.bands, &turns(), f, out);
         }
     }
 

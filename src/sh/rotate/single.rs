@@ -4,10 +4,13 @@
 //! sign, takes one block a lane: row r of P v is Σ_c P_rc v_c, lane by lane, where v's lanes are exchanged first as P wants it. What is
 //! no coefficient, −0 and orders above l, is 0 in v and in P.
 //!
-//! Sums run in the order of [`chain`](super::chain): the same bits, but for the sign of a zero.
+//! Sums run in the order of [`chain`](super::chain): the same bits, but for the sign of a zero. It is for degrees from 6 on, and builds
+//! the plan of a [`Rotation`](super::Rotation).
 
 use std::hint::black_box;
+use std::ops::Range;
 
+use super::rotation::MAX_BANDS;
 use super::swap::{QUAD, Swap, quads};
 use super::turns::Turns;
 use crate::Real;
@@ -15,7 +18,7 @@ use crate::Real;
 type Quad<T> = [T; QUAD];
 
 /// cos mθ and ± sin mθ (− for m ≥ 0) of the three turns, in quads; α, −β, γ.
-pub(super) type Powers<T, const K: usize> = [[[Quad<T>; 2]; K]; 3];
+type Powers<T, const K: usize> = [[[Quad<T>; 2]; K]; 3];
 
 /// a b of complex numbers [re, im].
 #[inline(always)]
@@ -30,7 +33,7 @@ fn multiply<T: Real>(a: &[Quad<T>; 2], b: &[Quad<T>; 2]) -> [Quad<T>; 2] {
 
 /// The powers that `bands` ≤ 2K want.
 #[inline(always)]
-pub(super) fn powers<T: Real, const K: usize>(bands: usize, turns: &Turns<T, 1>) -> Powers<T, K> {
+fn powers<T: Real, const K: usize>(bands: usize, turns: &Turns<T, 1>) -> Powers<T, K> {
     let (zero, one) = (T::zero(), T::one());
     let mut out = [[[[zero; QUAD]; 2]; K]; 3];
     let mut squares = [[[zero; QUAD]; 2]; 3];
@@ -42,8 +45,7 @@ pub(super) fn powers<T: Real, const K: usize>(bands: usize, turns: &Turns<T, 1>)
     }
     settle(&out);
     settle(&squares);
-    // So few that a test costs more.
-    let size = if K <= 3 { K } else { quads(bands - 1) };
+    let size = quads(bands - 1);
     for k in 1..size {
         for turn in 0..3 {
             out[turn][k] = multiply(&out[turn][k - 1], &squares[turn]);
@@ -54,7 +56,7 @@ pub(super) fn powers<T: Real, const K: usize>(bands: usize, turns: &Turns<T, 1>)
 }
 
 /// Has what is borrowed written to memory, quad by quad. Otherwise LLVM takes the quads apart into scalars and joins them anew in
-/// other ways: twice as slow.
+/// other ways, from build to build a quarter faster or a fifth slower.
 #[inline(always)]
 fn settle<T>(quads: &[T]) {
     black_box(quads.as_ptr());
@@ -89,16 +91,40 @@ fn swap<T: Real>(l: usize, entries: &[Quad<T>], v: &[Quad<T>], u: &mut [Quad<T>]
     }
 }
 
+/// Some degrees, not the lowest, of one vector.
+pub(super) fn rotate<T: Real>(table: &Swap<T>, degrees: Range<usize>, turns: &Turns<T, 1>, f: &[T], out: &mut [T]) {
+    if degrees.end <= 16 {
+        rotate_within::<T, 8>(table, degrees, turns, f, out);
+    } else {
+        rotate_within::<T, { MAX_BANDS / 2 }>(table, degrees, turns, f, out);
+    }
+}
+
+/// Degrees below 2K.
+fn rotate_within<T: Real, const K: usize>(
+    table: &Swap<T>,
+    degrees: Range<usize>,
+    turns: &Turns<T, 1>,
+    f: &[T],
+    out: &mut [T],
+) {
+    let single = Single { table, powers: powers::<T, K>(degrees.end, turns) };
+    let [mut v, mut u] = [[[T::zero(); QUAD]; K]; 2];
+    for l in degrees {
+        single.rotate(l, f, out, [&mut v, &mut u]);
+    }
+}
+
 /// One vector's plan and powers.
-pub(super) struct Single<'a, T, const K: usize> {
-    pub table: &'a Swap<T>,
-    pub powers: Powers<T, K>,
+struct Single<'a, T, const K: usize> {
+    table: &'a Swap<T>,
+    powers: Powers<T, K>,
 }
 
 impl<T: Real, const K: usize> Single<'_, T, K> {
-    /// Degree l of `f`; v and u hold its quads. Inlined, so that a constant l unrolls.
+    /// Degree l of `f`; v and u hold its quads.
     #[inline(always)]
-    pub(super) fn rotate(&self, l: usize, f: &[T], out: &mut [T], [v, u]: [&mut [Quad<T>]; 2]) {
+    fn rotate(&self, l: usize, f: &[T], out: &mut [T], [v, u]: [&mut [Quad<T>]; 2]) {
         let (size, zero) = (quads(l), T::zero());
         let (v, u) = (&mut v[..size], &mut u[..size]);
         let (f, out) = (&f[l * l..][..2 * l + 1], &mut out[l * l..][..2 * l + 1]);
