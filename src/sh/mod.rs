@@ -43,6 +43,7 @@ mod convention;
 mod exponential;
 mod gamma;
 mod index;
+mod lane;
 mod light;
 mod product;
 mod project;

@@ -14,9 +14,9 @@ use std::any::Any;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::kernel::Site;
-use super::lane::Element;
 use super::nodes::{Rule, factors, normalized_legendre};
 use crate::sh::gamma::met;
+use crate::sh::lane::Element;
 use crate::{Error, Real, Result};
 
 /// The most bands that can meet: the work space of a call is on the stack.

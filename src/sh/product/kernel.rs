@@ -11,10 +11,10 @@ use super::generated::{
     quadrature_4::Quadrature4, quadrature_5::Quadrature5, quadrature_6::Quadrature6, quadrature_7::Quadrature7,
     quadrature_8::Quadrature8, tensor_2::Tensor2, tensor_3::Tensor3,
 };
-use super::lane::{Element, Lane};
 use super::nodes::{Rule, factors, normalized_legendre};
 use crate::Real;
 use crate::numeric::align_stack;
+use crate::sh::lane::{Element, Lane};
 
 /// Where the text takes its numbers and leaves its results.
 pub(super) trait Site {

@@ -16,7 +16,6 @@
 mod generated;
 mod grid;
 mod kernel;
-pub(super) mod lane;
 mod matrix;
 mod nodes;
 mod table;

@@ -10,7 +10,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::rotation::{MAX_BANDS, block_start};
 use crate::Real;
-use crate::sh::product::lane::Element;
+use crate::numeric::align_stack;
+use crate::sh::lane::Element;
 
 /// Bands whose degrees are unrolled.
 const UNROLLED: usize = 6;
@@ -76,6 +77,7 @@ impl<T: Element> WithSimd for Batch<'_, T> {
     /// Degree by degree; the last block of vectors has two registers as well, some for the second time.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        align_stack();
         let Self { bands, tiles, count, f, out } = self;
         let width = 2 * T::lanes::<S>();
         macro_rules! degrees {

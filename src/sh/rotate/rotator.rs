@@ -14,6 +14,7 @@ use super::turns::{
     Flat, Poses, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
 };
 use crate::error::check_length;
+use crate::numeric::align_stack;
 use crate::{Real, Result};
 
 /// Lanes of a block: one AVX2 register of `f32`.
@@ -188,6 +189,7 @@ impl<T: Real> WithSimd for Job<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
         if size_of::<T>() == 4 { self.blocks::<LANES_F32>() } else { self.blocks::<LANES_F64>() }
     }
 }

@@ -21,8 +21,9 @@ use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
 use crate::Real;
+use crate::numeric::align_stack;
 use crate::sh::basis::eval;
-use crate::sh::product::lane::Element;
+use crate::sh::lane::Element;
 
 /// The most bands.
 pub(super) const MOST_BANDS: usize = 6;
@@ -140,6 +141,7 @@ impl<T: Element, const B: usize> WithSimd for Call<'_, T, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
+        align_stack();
         let Self { samples, pose, f, out } = self;
         let lanes = T::lanes::<S>();
         let (f, out) = (&f[..B * B], &mut out[..B * B]);

@@ -9,18 +9,15 @@ use pulp::Simd;
 use crate::Real;
 
 /// What the straight-line text computes with.
-pub(in crate::sh) trait Lane:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
-{
-}
+pub(super) trait Lane: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
 
 /// A register of `f32`.
 #[derive(Clone, Copy)]
-pub(in crate::sh) struct Reg32<S: Simd>(S, S::f32s);
+pub(super) struct Reg32<S: Simd>(S, S::f32s);
 
 /// A register of `f64`.
 #[derive(Clone, Copy)]
-pub(in crate::sh) struct Reg64<S: Simd>(S, S::f64s);
+pub(super) struct Reg64<S: Simd>(S, S::f64s);
 
 macro_rules! operators {
     ($reg: ident, $($op: ident :: $name: ident = $call: ident),*) => {
@@ -39,7 +36,7 @@ operators!(Reg32, Add::add = add_f32s, Sub::sub = sub_f32s, Mul::mul = mul_f32s)
 operators!(Reg64, Add::add = add_f64s, Sub::sub = sub_f64s, Mul::mul = mul_f64s);
 
 /// A scalar and its registers.
-pub(in crate::sh) trait Element: Real {
+pub(super) trait Element: Real {
     type Reg<S: Simd>: Lane;
     /// Numbers in a register.
     fn lanes<S: Simd>() -> usize;
