@@ -42,14 +42,16 @@ fn check<T: Real>(rows: &[Vec<f64>], settings: &PcaSettings) -> Result<(), TestC
     let twin = NaivePca::new(&rows, (settings.centre == Centre::Origin).then_some(&zeros[..]));
     let eps = T::epsilon().widen();
     let size = rows.iter().flatten().fold(0.0f64, |m, x| m.max(x.abs()));
-    // A mean is rounded once.
+    // Ours is rounded once; the twin's is a plain sum in f64.
     for (got, want) in pca.mean().iter().zip(&twin.mean) {
-        prop_assert!((got.widen() - want).abs() <= 2.0 * eps * size);
+        prop_assert!((got.widen() - want).abs() <= (eps + rows.len() as f64 * f64::EPSILON) * size);
     }
     // The twin's variances and ours are off by ε of sums of up to 25 squares; a component that is dropped is as small.
     let total: f64 = twin.variances.iter().sum();
     let noise = 16.0 * eps * total + 64.0 * (eps * size).powi(2);
-    prop_assert!((pca.total_variance() - total).abs() <= noise, "{} {total}", pca.total_variance());
+    // About the first row, which may be as far from the mean as all others together.
+    let cancelled = 4.0 * rows.len() as f64 * f64::EPSILON * total;
+    prop_assert!((pca.total_variance() - total).abs() <= noise + cancelled, "{} {total}", pca.total_variance());
     prop_assert!(pca.len() <= settings.components.min(columns).min(rows.len()));
     prop_assert!(pca.variances().is_sorted_by(|a, b| a >= b));
     for j in 0..settings.components.min(columns) {

@@ -58,13 +58,11 @@ pub(in super::super) fn times_rows<T: Real, E: Real>(rows: &Rows<T, E>, q: &Fact
     const CHUNK: usize = 16 * TILE_ROWS;
     assert!(rows.columns() == q.columns && out.len() == rows.len() * q.len);
     let arch = Arch::new();
-    for_chunks(out, CHUNK * q.len, |chunk, out| {
-        out.fill(E::zero());
-        times_rows_chunk(arch, rows, q, (chunk * CHUNK, part), out);
-    });
+    for_chunks(out, CHUNK * q.len, |chunk, out| times_some_rows(arch, rows, q, (chunk * CHUNK, part), out));
 }
 
-fn times_rows_chunk<T: Real, E: Real>(
+/// The part of [`times_rows`] that begins at row `start` and has as many rows as `out`, on this thread.
+pub(in super::super) fn times_some_rows<T: Real, E: Real>(
     arch: Arch,
     rows: &Rows<T, E>,
     q: &Factors<E>,
@@ -74,6 +72,7 @@ fn times_rows_chunk<T: Real, E: Real>(
     let (width, count) = (tile_columns::<E>(), out.len() / q.len);
     let padded = q.len.div_ceil(width) * width;
     let mut left = vec![E::zero(); count.div_ceil(TILE_ROWS) * LEFT_TILE];
+    out.fill(E::zero());
     for first in (0..q.columns).step_by(DEPTH) {
         let depth = DEPTH.min(q.columns - first);
         arch.dispatch(CopyRows { rows, start, count, first, depth, stride: DEPTH, out: &mut left });

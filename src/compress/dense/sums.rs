@@ -2,22 +2,30 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::Real;
+
 /// Σ a b in eight interleaved sums, folded in one order: the same bits on every machine.
 #[inline(always)]
 pub(in super::super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    dot_wide(a, b)
+}
+
+/// [`dot`] of which one factor is widened.
+#[inline(always)]
+pub(in super::super) fn dot_wide<T: Real>(a: &[f64], b: &[T]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let ((a, a_last), (b, b_last)) = (a.as_chunks::<2>(), b.as_chunks::<2>());
     let mut sums = [[0.0; 4]; 2];
     for (a, b) in a.iter().zip(b) {
         for v in 0..2 {
-            (0..4).for_each(|l| sums[v][l] += a[v][l] * b[v][l]);
+            (0..4).for_each(|l| sums[v][l] += a[v][l] * b[v][l].widen());
         }
     }
     let mut rest = 0.0;
     for (a, b) in a_last.iter().zip(b_last) {
-        (0..4).for_each(|l| rest += a[l] * b[l]);
+        (0..4).for_each(|l| rest += a[l] * b[l].widen());
     }
-    a_rest.iter().zip(b_rest).for_each(|(a, b)| rest += a * b);
+    a_rest.iter().zip(b_rest).for_each(|(a, b)| rest += a * b.widen());
     (0..4).map(|l| sums[0][l] + sums[1][l]).fold(rest, |sum, x| sum + x)
 }
 
