@@ -36,24 +36,22 @@ fn rows(count: usize, columns: usize, groups: usize, plane: usize) -> Vec<f32> {
 /// A random sketch of the rows, orthonormalised between the rounds; eigenvectors of the small Gram matrix.
 fn faer_randomised(matrix: MatRef<f32>, k: usize) -> (Mat<f32>, Vec<f32>) {
     let (n, columns) = (matrix.nrows(), matrix.ncols());
-    let mean: Vec<f32> = {
-        let sums = Mat::<f32>::from_fn(1, n, |_, _| 1.0 / n as f32) * matrix;
-        (0..columns).map(|c| sums[(0, c)]).collect()
-    };
-    let mut centred = Mat::<f32>::zeros(n, columns);
-    for c in 0..columns {
-        for r in 0..n {
-            centred[(r, c)] = matrix[(r, c)] - mean[c];
-        }
+    let sums = Mat::<f32>::from_fn(1, n, |_, _| 1.0 / n as f32) * matrix;
+    // Row-major, as the matrix.
+    let mut centred = Vec::with_capacity(n * columns);
+    for r in 0..n {
+        let row = matrix.row(r);
+        centred.extend((0..columns).map(|c| row[c] - sums[(0, c)]));
     }
+    let centred = MatRef::from_row_major_slice(&centred, n, columns);
     let mut next = numbers();
     let omega = Mat::<f32>::from_fn(n, k + 10, |_, _| next());
     let mut q = (centred.transpose() * &omega).qr().compute_thin_Q();
     for _ in 0..2 {
-        let y = &centred * &q;
+        let y = centred * &q;
         q = (centred.transpose() * &y).qr().compute_thin_Q();
     }
-    let y = &centred * &q;
+    let y = centred * &q;
     let eigen = (y.transpose() * &y).self_adjoint_eigen(Side::Lower).expect("converges");
     let components = &q * eigen.U().subcols(10, k);
     let variances = (0..k).map(|j| eigen.S()[k + 9 - j] / n as f32).collect();

@@ -83,13 +83,8 @@ fn flat_rows(rows: usize, columns: usize) -> BoxedStrategy<Vec<Vec<f64>>> {
     let directions = (0..=columns).prop_flat_map(move |rank| vec(vec(x(), columns), rank));
     let noise = prop_oneof![Just(0.0), Just(1e-3), Just(1.0)];
     let parts = (vec(x(), columns), directions, vec(vec(x(), columns), rows), vec(vec(x(), columns), rows), noise);
-    let rows_of = move |(mean, directions, weights, noises, noise): (
-        Vec<f64>,
-        Vec<Vec<f64>>,
-        Vec<Vec<f64>>,
-        Vec<Vec<f64>>,
-        f64,
-    )| {
+    type Parts = (Vec<f64>, Vec<Vec<f64>>, Vec<Vec<f64>>, Vec<Vec<f64>>, f64);
+    let rows_of = move |(mean, directions, weights, noises, noise): Parts| {
         let entry = |row: usize, c: usize| {
             let sum: f64 = directions.iter().zip(&weights[row]).map(|(u, w)| w * u[c]).sum();
             mean[c] + sum + noise * noises[row][c]
