@@ -71,3 +71,50 @@ fn dense_blocks(rows: usize, columns: usize) -> BoxedStrategy<Vec<i32>> {
     ]
     .boxed()
 }
+
+/// Rows of numbers around 1 in magnitude: mean + Σ weights · directions + noise, of rank 0 to `columns`, the noise 0 (exactly low rank, but for rounding),
+/// small or all there is. 1 to `max_rows` rows of 1 to `max_columns`; repeated rows, equal rows, zeros.
+pub fn low_rank_rows(max_rows: usize, max_columns: usize) -> impl Strategy<Value = Vec<Vec<f64>>> {
+    (1..=max_rows, 1..=max_columns).prop_flat_map(|(rows, columns)| flat_rows(rows, columns))
+}
+
+fn flat_rows(rows: usize, columns: usize) -> BoxedStrategy<Vec<Vec<f64>>> {
+    let x = || -1.0..1.0f64;
+    let directions = (0..=columns).prop_flat_map(move |rank| vec(vec(x(), columns), rank));
+    let noise = prop_oneof![Just(0.0), Just(1e-3), Just(1.0)];
+    let parts = (vec(x(), columns), directions, vec(vec(x(), columns), rows), vec(vec(x(), columns), rows), noise);
+    type Parts = (Vec<f64>, Vec<Vec<f64>>, Vec<Vec<f64>>, Vec<Vec<f64>>, f64);
+    let rows_of = move |(mean, directions, weights, noises, noise): Parts| {
+        let entry = |row: usize, c: usize| {
+            let sum: f64 = directions.iter().zip(&weights[row]).map(|(u, w)| w * u[c]).sum();
+            mean[c] + sum + noise * noises[row][c]
+        };
+        (0..rows).map(|row| (0..columns).map(|c| entry(row, c)).collect()).collect::<Vec<Vec<f64>>>()
+    };
+    prop_oneof![
+        8 => parts.prop_map(rows_of),
+        1 => vec(x(), columns).prop_map(move |row| std::vec![row; rows]),
+        1 => (vec(x(), columns), 0..rows).prop_map(move |(row, at)| {
+            (0..rows).map(|i| if i == at { row.clone() } else { std::vec![0.0; columns] }).collect()
+        }),
+    ]
+    .boxed()
+}
+
+/// Rows in one to `max_clusters` groups, each around a place of its own and flat in its own way as in [`low_rank_rows`], in mixed order.
+pub fn clustered_rows(
+    max_clusters: usize,
+    max_rows: usize,
+    max_columns: usize,
+) -> impl Strategy<Value = Vec<Vec<f64>>> {
+    let groups = move |columns: usize| {
+        let group = (1..=max_rows).prop_flat_map(move |rows| flat_rows(rows, columns));
+        vec((vec(-8.0..8.0f64, columns), group), 1..=max_clusters)
+    };
+    (1..=max_columns).prop_flat_map(groups).prop_flat_map(|groups| {
+        let moved = |(place, rows): (Vec<f64>, Vec<Vec<f64>>)| {
+            rows.into_iter().map(move |row| row.iter().zip(&place).map(|(x, p)| x + p).collect::<Vec<f64>>())
+        };
+        Just(groups.into_iter().flat_map(moved).collect::<Vec<_>>()).prop_shuffle()
+    })
+}

@@ -14,7 +14,7 @@ mod sphere;
 mod table;
 
 pub use affine::{affine_map, dyadic_map};
-pub use compress::{block_matrix, level_map, run_map};
+pub use compress::{block_matrix, clustered_rows, level_map, low_rank_rows, run_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
 pub use scene::{procedural, triangle_soup};

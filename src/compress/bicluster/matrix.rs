@@ -1,5 +1,6 @@
 //! Sparse matrices of integer levels.
 
+use super::super::parallel::for_rows;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -220,7 +221,7 @@ impl SparseMatrix {
         check_length("right-hand sides", self.columns * sides, x.len());
         check_length("product", self.rows() * sides, out.len());
         let scale = T::of(self.scale);
-        super::multiply::for_rows(out, sides, 64, |row, out| {
+        for_rows(out, sides, 64, |row, out| {
             out.fill(T::zero());
             let (columns, levels) = self.row(row);
             for (&column, &level) in columns.iter().zip(levels) {

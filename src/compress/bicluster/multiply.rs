@@ -1,5 +1,6 @@
 //! Products of biclusters with vectors.
 
+use super::super::parallel::for_rows;
 use super::clusters::Biclustering;
 use crate::Real;
 use crate::error::check_length;
@@ -152,21 +153,4 @@ impl<T: Real> BiclusterMultiplier<T> {
             }
         });
     }
-}
-
-/// Calls `f(j, &mut out[j·sides..][..sides])` for every j, `chunk` of them a task.
-pub(super) fn for_rows<T: Send>(out: &mut [T], sides: usize, chunk: usize, f: impl Fn(usize, &mut [T]) + Sync) {
-    if sides == 0 {
-        return;
-    }
-    let task = |(index, part): (usize, &mut [T])| {
-        part.chunks_exact_mut(sides).enumerate().for_each(|(k, slot)| f(index * chunk + k, slot));
-    };
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        out.par_chunks_mut(chunk * sides).enumerate().for_each(task);
-    }
-    #[cfg(not(feature = "rayon"))]
-    out.chunks_mut(chunk * sides).enumerate().for_each(task);
 }

@@ -2,10 +2,11 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::super::random::Random;
 use super::growth::{Grown, Growth};
 use super::matrix::SparseMatrix;
 use super::residual::{Entry, Residual};
-use super::settings::{BiclusterSettings, Seeds, Shuffle};
+use super::settings::{BiclusterSettings, Seeds};
 use super::trace::{BiclusterMove, BiclusterStep, BiclusterTrace};
 use crate::{Error, Progress, Result};
 
@@ -31,7 +32,7 @@ pub(super) fn search(
     let one = |(index, rows): (usize, &Vec<u32>)| {
         let shuffle = match settings.seeds {
             Seeds::First => None,
-            Seeds::Random(seed) => Some(Shuffle::new(seed, index as u64)),
+            Seeds::Random(seed) => Some(Random::new(seed, index as u64)),
         };
         Group::new(matrix, rows, shuffle).run(tracing, &watch)
     };
@@ -78,7 +79,7 @@ struct Group<'a> {
 }
 
 impl<'a> Group<'a> {
-    fn new(matrix: &SparseMatrix, rows: &'a [u32], shuffle: Option<Shuffle>) -> Self {
+    fn new(matrix: &SparseMatrix, rows: &'a [u32], shuffle: Option<Random>) -> Self {
         let mut columns: Vec<u32> = rows.iter().flat_map(|&row| matrix.row(row as usize).0).copied().collect();
         columns.sort_unstable();
         columns.dedup();

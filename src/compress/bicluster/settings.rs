@@ -52,27 +52,3 @@ impl BiclusterSettings {
         Ok(())
     }
 }
-
-/// A sequence of numbers without a pattern (SplitMix64): the same everywhere for the same seed.
-pub(super) struct Shuffle(u64);
-
-impl Shuffle {
-    pub(super) fn new(seed: u64, stream: u64) -> Self {
-        Self(seed ^ stream.wrapping_mul(0xd134_2543_de82_ef95))
-    }
-
-    /// A number below `limit` (which is at least 1); its bias, limit/2^64, does not matter here.
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((u128::from(z ^ (z >> 31)) * limit as u128) >> 64) as usize
-    }
-
-    pub(super) fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            items.swap(i, self.below(i + 1));
-        }
-    }
-}

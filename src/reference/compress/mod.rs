@@ -1,7 +1,13 @@
 //! Twins of [`compress`](crate::compress).
 
 mod bicluster;
+mod clustered_pca;
+mod pca;
+mod quantise;
 mod run_coding;
 
 pub use bicluster::{NaiveBicluster, bicluster, bicluster_saving, bicluster_values, first_nonzero, multiply_levels};
+pub use clustered_pca::{assign, cluster_distances, fit_clusters, total_error};
+pub use pca::{NaivePca, symmetric_eigen};
+pub use quantise::{bytes, half_value, nearest_half};
 pub use run_coding::{differences, hilbert, integrate, suffix_sums, varint};

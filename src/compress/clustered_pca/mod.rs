@@ -1,0 +1,11 @@
+//! Clustered principal components.
+
+mod bases;
+mod build;
+mod coded;
+mod nearest;
+mod seeds;
+mod settings;
+
+pub use coded::{ClusteredPca, ClusteredPcaStats};
+pub use settings::ClusteredPcaSettings;

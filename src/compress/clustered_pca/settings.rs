@@ -1,0 +1,54 @@
+//! How to cluster.
+
+use crate::{Error, Result};
+
+/// Settings of [`ClusteredPca`](crate::compress::ClusteredPca).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ClusteredPcaSettings {
+    /// Most clusters.
+    pub clusters: usize,
+    /// Components of each cluster beside its mean; with 0 this is k-means.
+    pub components: usize,
+    /// Most rounds of k-means, and then of clustering by components; default 20. A round reads the matrix twice.
+    pub iterations: usize,
+    /// Rounds end when the squared error falls by less than this share of it, default 0.002.
+    pub tolerance: f64,
+    /// Seed of the first means and of the sketches of components.
+    pub seed: u64,
+}
+
+impl ClusteredPcaSettings {
+    /// At most `clusters` clusters of `components` components.
+    pub fn new(clusters: usize, components: usize) -> Self {
+        Self { clusters, components, iterations: 20, tolerance: 0.002, seed: 0 }
+    }
+
+    /// The same with at most so many rounds.
+    #[must_use]
+    pub fn with_iterations(self, iterations: usize) -> Self {
+        Self { iterations, ..self }
+    }
+
+    /// The same with another tolerance.
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Self { tolerance, ..self }
+    }
+
+    /// The same from another seed.
+    #[must_use]
+    pub fn with_seed(self, seed: u64) -> Self {
+        Self { seed, ..self }
+    }
+
+    pub(super) fn check(&self) -> Result<()> {
+        if self.clusters == 0 {
+            return Err(Error::OutOfRange { what: "clusters", got: 0.0, allowed: "at least 1" });
+        }
+        if !(self.tolerance >= 0.0) {
+            return Err(Error::OutOfRange { what: "tolerance", got: self.tolerance, allowed: "at least 0" });
+        }
+        Ok(())
+    }
+}

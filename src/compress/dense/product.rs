@@ -1,0 +1,209 @@
+//! Products of a tall matrix A (scaled, shifted rows) with small ones, either way round, and its Gram matrices.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::super::parallel::for_chunks;
+use super::rows::Rows;
+use super::tile::{DEPTH, LEFT_TILE, TILE_ROWS, Tiles, tile_columns};
+use crate::Real;
+
+/// Which elements of a symmetric product are wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in super::super) enum Part {
+    All,
+    /// Those with row ≥ column; others may be left 0.
+    Lower,
+}
+
+/// Rows packed as the right factor of [`times_rows`]: blocks of [`DEPTH`] columns, in each the panels of a tile's width.
+#[derive(Debug, Clone, PartialEq)]
+pub(in super::super) struct Factors<E> {
+    data: Vec<E>,
+    len: usize,
+    columns: usize,
+}
+
+impl<E: Real> Factors<E> {
+    pub(in super::super) fn new<T: Real>(rows: &Rows<T, E>) -> Self {
+        let (width, len, columns) = (tile_columns::<E>(), rows.len(), rows.columns());
+        let panels = len.div_ceil(width);
+        let mut data = vec![E::zero(); panels * width * columns];
+        for first in (0..columns).step_by(DEPTH) {
+            let depth = DEPTH.min(columns - first);
+            let block = &mut data[first * panels * width..][..depth * panels * width];
+            let mut line = [E::zero(); DEPTH];
+            for i in 0..len {
+                rows.copy(i, first, &mut line[..depth]);
+                let panel = &mut block[i / width * width * depth..];
+                (0..depth).for_each(|k| panel[k * width + i % width] = line[k]);
+            }
+        }
+        Self { data, len, columns }
+    }
+
+    /// Of rows as they are.
+    pub(in super::super) fn plain(data: &[E], columns: usize) -> Self {
+        let zeros = vec![E::zero(); columns];
+        Self::new(&Rows::new(data, &zeros, super::rows::Scaling::of::<E>(0.0)))
+    }
+
+    pub(in super::super) fn len(&self) -> usize {
+        self.len
+    }
+}
+
+/// A Qᵀ: `out[i·p + j]` = Σ_k a_ik q_jk. Each element has the same bits whatever other rows there are.
+pub(in super::super) fn times_rows<T: Real, E: Real>(rows: &Rows<T, E>, q: &Factors<E>, part: Part, out: &mut [E]) {
+    /// Rows of a task: their tiles stay in the second cache while the panels pass.
+    const CHUNK: usize = 16 * TILE_ROWS;
+    assert!(rows.columns() == q.columns && out.len() == rows.len() * q.len);
+    let arch = Arch::new();
+    for_chunks(out, CHUNK * q.len, |chunk, out| times_some_rows(arch, rows, q, (chunk * CHUNK, part), out));
+}
+
+/// The part of [`times_rows`] that begins at row `start` and has as many rows as `out`, on this thread.
+pub(in super::super) fn times_some_rows<T: Real, E: Real>(
+    arch: Arch,
+    rows: &Rows<T, E>,
+    q: &Factors<E>,
+    (start, part): (usize, Part),
+    out: &mut [E],
+) {
+    let (width, count) = (tile_columns::<E>(), out.len() / q.len);
+    let padded = q.len.div_ceil(width) * width;
+    let mut left = vec![E::zero(); count.div_ceil(TILE_ROWS) * LEFT_TILE];
+    out.fill(E::zero());
+    for first in (0..q.columns).step_by(DEPTH) {
+        let depth = DEPTH.min(q.columns - first);
+        arch.dispatch(CopyRows { rows, start, count, first, depth, stride: DEPTH, out: &mut left });
+        let wanted =
+            |tile: usize, panel: usize| part == Part::All || start + tile * TILE_ROWS + TILE_ROWS > panel * width;
+        let right = &q.data[first * padded..][..depth * padded];
+        let with = |tile: usize, panel: usize, sums: &[E; TILE_ROWS * 16]| {
+            let columns = panel * width..q.len.min((panel + 1) * width);
+            for (r, i) in (tile * TILE_ROWS..count.min((tile + 1) * TILE_ROWS)).enumerate() {
+                let out = &mut out[i * q.len..][columns.clone()];
+                out.iter_mut().zip(&sums[r * width..]).for_each(|(out, &sum)| *out += sum);
+            }
+        };
+        Tiles { left: &left, right, depth, wanted, with }.run(arch);
+    }
+}
+
+/// Copies rows `start..start + count`, columns `first..first + depth`, `stride` apart.
+struct CopyRows<'a, 'b, T, E> {
+    rows: &'a Rows<'b, T, E>,
+    start: usize,
+    count: usize,
+    first: usize,
+    depth: usize,
+    stride: usize,
+    out: &'a mut [E],
+}
+
+impl<T: Real, E: Real> WithSimd for CopyRows<'_, '_, T, E> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (i, out) in self.out.chunks_exact_mut(self.stride).take(self.count).enumerate() {
+            self.rows.copy(self.start + i, self.first, &mut out[..self.depth]);
+        }
+    }
+}
+
+/// The left factor of [`transpose_times`].
+#[derive(Clone, Copy)]
+pub(in super::super) enum Left<'a, E> {
+    /// A matrix Y with as many rows as A, row-major, and its columns.
+    Matrix(&'a [E], usize),
+    /// A itself: the Gram matrix.
+    Itself(Part),
+}
+
+/// Yᵀ A: `out[j·columns + c]` = Σ_i y_ij a_ic.
+pub(in super::super) fn transpose_times<T: Real, E: Real>(rows: &Rows<T, E>, left: Left<E>) -> Vec<f64> {
+    /// Columns of a task, a multiple of both tiles' widths.
+    const BLOCK: usize = 128;
+    let arch = Arch::new();
+    let columns = rows.columns();
+    let p = match left {
+        Left::Matrix(_, p) => p,
+        Left::Itself(_) => columns,
+    };
+    // Blocks of columns, each p × its width.
+    let mut blocks = vec![0.0; p * columns];
+    let mut tiles = vec![E::zero(); p.div_ceil(TILE_ROWS) * LEFT_TILE];
+    for first in (0..rows.len()).step_by(DEPTH) {
+        let depth = DEPTH.min(rows.len() - first);
+        pack_left(rows, left, (first, depth), &mut tiles);
+        for_chunks(&mut blocks, p * BLOCK, |block, out| {
+            let start = block * BLOCK;
+            let width = out.len() / p;
+            let part = match left {
+                Left::Matrix(..) => Part::All,
+                Left::Itself(part) => part,
+            };
+            let range = Terms { first, depth, start, width, part };
+            transpose_times_block(arch, rows, &tiles, range, out);
+        });
+    }
+    unblock(&blocks, p, columns, BLOCK)
+}
+
+/// The terms of a sum (rows of A) and the columns of A.
+#[derive(Clone, Copy)]
+struct Terms {
+    first: usize,
+    depth: usize,
+    start: usize,
+    width: usize,
+    part: Part,
+}
+
+fn transpose_times_block<T: Real, E: Real>(arch: Arch, rows: &Rows<T, E>, left: &[E], terms: Terms, out: &mut [f64]) {
+    let Terms { first, depth, start, width, part } = terms;
+    let lanes = tile_columns::<E>();
+    let p = out.len() / width;
+    let mut right = vec![E::zero(); width.div_ceil(lanes) * lanes * depth];
+    for (panel, right) in right.chunks_exact_mut(lanes * depth).enumerate() {
+        let columns = lanes.min(width - panel * lanes);
+        let (start, stride) = (start + panel * lanes, lanes);
+        arch.dispatch(CopyRows { rows, start: first, count: depth, first: start, depth: columns, stride, out: right });
+    }
+    let wanted = |tile: usize, panel: usize| part == Part::All || (tile + 1) * TILE_ROWS > start + panel * lanes;
+    let with = |tile: usize, panel: usize, sums: &[E; TILE_ROWS * 16]| {
+        let columns = panel * lanes..width.min((panel + 1) * lanes);
+        for (r, j) in (tile * TILE_ROWS..p.min((tile + 1) * TILE_ROWS)).enumerate() {
+            let out = &mut out[j * width..][columns.clone()];
+            out.iter_mut().zip(&sums[r * lanes..]).for_each(|(out, sum)| *out += sum.widen());
+        }
+    };
+    Tiles { left, right: &right, depth, wanted, with }.run(arch);
+}
+
+/// Terms `first..first + depth` of the left factor's columns, as tiles.
+fn pack_left<T: Real, E: Real>(rows: &Rows<T, E>, left: Left<E>, (first, depth): (usize, usize), tiles: &mut [E]) {
+    let mut line = vec![E::zero(); rows.columns()];
+    for k in 0..depth {
+        let y = match left {
+            Left::Matrix(y, p) => &y[(first + k) * p..][..p],
+            Left::Itself(_) => {
+                rows.copy(first + k, 0, &mut line);
+                &line
+            }
+        };
+        y.iter().enumerate().for_each(|(j, &y)| tiles[j * DEPTH + k] = y);
+    }
+}
+
+fn unblock(blocks: &[f64], p: usize, columns: usize, block: usize) -> Vec<f64> {
+    let mut out = vec![0.0; p * columns];
+    for (b, part) in blocks.chunks((p * block).max(1)).enumerate() {
+        let width = part.len() / p;
+        for (j, part) in part.chunks_exact(width).enumerate() {
+            out[j * columns + b * block..][..width].copy_from_slice(part);
+        }
+    }
+    out
+}

@@ -1,0 +1,12 @@
+//! Principal component analysis.
+
+mod components;
+mod fit;
+mod moments;
+mod settings;
+
+pub use components::Pca;
+pub(in crate::compress) use components::{add_up, check_matrix};
+pub(in crate::compress) use fit::{Source, fit};
+pub(in crate::compress) use moments::Moments;
+pub use settings::{Centre, PcaMethod, PcaSettings};

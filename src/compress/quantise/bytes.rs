@@ -1,0 +1,176 @@
+//! 8 bits a number, with an offset and a step for numbers that belong together.
+
+use super::super::distortion::Distortion;
+use super::super::parallel::for_rows;
+use crate::error::check_length;
+use crate::{Error, Real, Result};
+
+/// Which numbers of a row-major matrix share an offset and a step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum ByteBlocks {
+    /// A row: rows that differ in size, such as components.
+    Rows,
+    /// A column: numbers whose size goes by their place, such as weights of principal components.
+    Columns,
+    /// This many numbers one after the other, whatever the rows; the last block may be shorter.
+    Runs(usize),
+}
+
+/// Numbers as 8 bits each.
+///   x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
+///
+/// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met, a block of equal numbers is exact.
+///
+/// # Example
+/// ```
+/// use haarmonic::compress::{ByteBlocks, QuantisedBytes};
+/// let weights = [0.0f32, 100.0, 2.55, 400.0, 1.0, 355.0]; // three rows of two
+/// let bytes = QuantisedBytes::new(&weights, 2, ByteBlocks::Columns)?;
+/// assert_eq!((bytes.codes()[2], bytes.block(0)), (255, (0.0, 0.01)));
+/// assert!(bytes.distortion().max <= 300.0 / 255.0 / 2.0);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantisedBytes<T> {
+    codes: Vec<u8>,
+    columns: usize,
+    blocks: ByteBlocks,
+    offsets: Vec<T>,
+    steps: Vec<T>,
+    distortion: Distortion,
+}
+
+impl<T: Real> QuantisedBytes<T> {
+    /// Quantises a row-major matrix; for [`ByteBlocks::Runs`] `columns` may be 1. No numbers are allowed.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
+    pub fn new(values: &[T], columns: usize, blocks: ByteBlocks) -> Result<Self> {
+        for (what, got) in [("columns", columns), ("run", if let ByteBlocks::Runs(len) = blocks { len } else { 1 })] {
+            if got == 0 {
+                return Err(Error::OutOfRange { what, got: 0.0, allowed: "at least 1" });
+            }
+        }
+        if values.len() % columns != 0 {
+            let expected = values.len().next_multiple_of(columns);
+            return Err(Error::Length { what: "matrix", expected, got: values.len() });
+        }
+        if let Some(index) = values.iter().position(|x| !x.is_finite()) {
+            return Err(Error::NotFinite { what: "number", index });
+        }
+        let count = match blocks {
+            ByteBlocks::Rows => values.len() / columns,
+            ByteBlocks::Columns => columns,
+            ByteBlocks::Runs(len) => values.len().div_ceil(len),
+        };
+        let mut all = Self {
+            codes: vec![0; values.len()],
+            columns,
+            blocks,
+            offsets: vec![T::infinity(); count],
+            steps: vec![T::neg_infinity(); count], // the largest, first
+            distortion: Distortion { max: 0.0, rms: 0.0, relative: 0.0 },
+        };
+        for (i, &x) in values.iter().enumerate() {
+            let block = all.block_of(i);
+            all.offsets[block] = all.offsets[block].min(x);
+            all.steps[block] = all.steps[block].max(x);
+        }
+        for (offset, step) in all.offsets.iter_mut().zip(&mut all.steps) {
+            if *offset > *step {
+                (*offset, *step) = (T::zero(), T::zero()); // a column without rows
+            }
+            let range = *step - *offset;
+            // Twice, so that rounding does not carry a decoded number out of the scalar.
+            if !(range + range).is_finite() {
+                return Err(Error::OutOfRange {
+                    what: "range of a block",
+                    got: range.widen(),
+                    allowed: "half the largest number at most",
+                });
+            }
+            *step = T::of(range.widen() / 255.0);
+        }
+        let mut codes = std::mem::take(&mut all.codes);
+        for_rows(&mut codes, 1, 4096, |i, code| code[0] = all.code(i, values[i]));
+        all.codes = codes;
+        all.distortion = Distortion::of_rows(values, 1, |first, _, out| {
+            out.iter_mut().enumerate().for_each(|(i, out)| *out = all.value(first + i));
+        });
+        Ok(all)
+    }
+
+    #[inline]
+    fn block_of(&self, i: usize) -> usize {
+        match self.blocks {
+            ByteBlocks::Rows => i / self.columns,
+            ByteBlocks::Columns => i % self.columns,
+            ByteBlocks::Runs(len) => i / len,
+        }
+    }
+
+    #[inline]
+    fn code(&self, i: usize, x: T) -> u8 {
+        let block = self.block_of(i);
+        let (offset, step) = (self.offsets[block].widen(), self.steps[block].widen());
+        // A step of 0 gives NaN or infinity, as u8 0 or 255: both stand for the offset.
+        ((x.widen() - offset) / step).round() as u8
+    }
+
+    #[inline]
+    fn value(&self, i: usize) -> T {
+        let block = self.block_of(i);
+        let (offset, step) = (self.offsets[block].widen(), self.steps[block].widen());
+        T::of(offset + step * f64::from(self.codes[i]))
+    }
+
+    /// How many numbers.
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.codes.len()
+    }
+
+    /// Whether there are no numbers.
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.codes.is_empty()
+    }
+
+    /// q of each number.
+    #[inline]
+    pub fn codes(&self) -> &[u8] {
+        &self.codes
+    }
+
+    /// Offset and step of a block.
+    ///
+    /// # Panics
+    /// If there is no such block.
+    #[inline]
+    #[track_caller]
+    pub fn block(&self, block: usize) -> (T, T) {
+        (self.offsets[block], self.steps[block])
+    }
+
+    /// The numbers that the codes stand for.
+    ///
+    /// # Panics
+    /// If `out` has another length.
+    #[track_caller]
+    pub fn decode(&self, out: &mut [T]) {
+        check_length("numbers", self.codes.len(), out.len());
+        for_rows(out, 1, 4096, |i, out| out[0] = self.value(i));
+    }
+
+    /// How far rounding moved the numbers.
+    #[inline]
+    pub fn distortion(&self) -> Distortion {
+        self.distortion
+    }
+
+    /// One for each number, and offset and step for each block.
+    #[inline]
+    pub fn bytes(&self) -> usize {
+        self.codes.len() + 2 * self.offsets.len() * size_of::<T>()
+    }
+}
