@@ -170,9 +170,13 @@ fn evaluation(jobs: &mut Vec<Job>) {
             }
             let directions = fibonacci_directions(count);
             let [x, y, z] = [0, 1, 2].map(|k| directions.iter().map(|d| d[k] as f32).collect::<Vec<_>>());
-            let (mut out, basis) = (numbers(size * count), basis.clone());
+            let (mut out, rows, [u, v, w]) = (numbers(size * count), basis.clone(), [x.clone(), y.clone(), z.clone()]);
             jobs.push(Job::new(format!("eval rows, {count} points {bands}"), count, move || {
-                basis.eval_rows(black_box(&x), &y, &z, black_box(&mut out));
+                rows.eval_rows(black_box(&u), &v, &w, black_box(&mut out));
+            }));
+            let (mut out, points) = (numbers(size * count), basis.clone());
+            jobs.push(Job::new(format!("eval points, {count} points {bands}"), count, move || {
+                points.eval_points(black_box(&x), &y, &z, black_box(&mut out));
             }));
         }
     }

@@ -75,7 +75,7 @@ pub(in super::super) fn times_some_rows<T: Real, E: Real>(
     out.fill(E::zero());
     for first in (0..q.columns).step_by(DEPTH) {
         let depth = DEPTH.min(q.columns - first);
-        arch.dispatch(CopyRows { rows, start, count, first, depth, stride: DEPTH, out: &mut left });
+        arch.dispatch(CopyRows { rows, start, count, first, depth, width: DEPTH, out: &mut left });
         let wanted =
             |tile: usize, panel: usize| part == Part::All || start + tile * TILE_ROWS + TILE_ROWS > panel * width;
         let right = &q.data[first * padded..][..depth * padded];
@@ -90,14 +90,16 @@ pub(in super::super) fn times_some_rows<T: Real, E: Real>(
     }
 }
 
-/// Copies rows `start..start + count`, columns `first..first + depth`, `stride` apart.
+/// Copies rows `start..start + count`, columns `first..first + depth`, into panels of `width` columns, one after the other.
+///
+/// Row by row: a row's columns lie in a run, rows may lie a page apart.
 struct CopyRows<'a, 'b, T, E> {
     rows: &'a Rows<'b, T, E>,
     start: usize,
     count: usize,
     first: usize,
     depth: usize,
-    stride: usize,
+    width: usize,
     out: &'a mut [E],
 }
 
@@ -106,8 +108,12 @@ impl<T: Real, E: Real> WithSimd for CopyRows<'_, '_, T, E> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (i, out) in self.out.chunks_exact_mut(self.stride).take(self.count).enumerate() {
-            self.rows.copy(self.start + i, self.first, &mut out[..self.depth]);
+        let Self { rows, start, count, first, depth, width, out } = self;
+        for i in 0..count {
+            for column in (0..depth).step_by(width) {
+                let out = &mut out[column * count + i * width..][..width.min(depth - column)];
+                rows.copy(start + i, first + column, out);
+            }
         }
     }
 }
@@ -166,11 +172,8 @@ fn transpose_times_block<T: Real, E: Real>(arch: Arch, rows: &Rows<T, E>, left: 
     let lanes = tile_columns::<E>();
     let p = out.len() / width;
     let mut right = vec![E::zero(); width.div_ceil(lanes) * lanes * depth];
-    for (panel, right) in right.chunks_exact_mut(lanes * depth).enumerate() {
-        let columns = lanes.min(width - panel * lanes);
-        let (start, stride) = (start + panel * lanes, lanes);
-        arch.dispatch(CopyRows { rows, start: first, count: depth, first: start, depth: columns, stride, out: right });
-    }
+    let copy = CopyRows { rows, start: first, count: depth, first: start, depth: width, width: lanes, out: &mut right };
+    arch.dispatch(copy);
     let wanted = |tile: usize, panel: usize| part == Part::All || (tile + 1) * TILE_ROWS > start + panel * lanes;
     let with = |tile: usize, panel: usize, sums: &[E; TILE_ROWS * 16]| {
         let columns = panel * lanes..width.min((panel + 1) * lanes);

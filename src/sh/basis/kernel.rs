@@ -224,26 +224,19 @@ impl<T: Real, const L: usize, const N: usize> Visitor<T, L> for StoreFewRows<'_,
     }
 }
 
-/// Stores a row for each point: `out[i · stride + index]`, i < `count`.
-pub(in crate::sh) struct StorePoints<'a, T> {
-    pub out: &'a mut [T],
-    pub stride: usize,
-    pub count: usize,
-}
+/// Keeps the values of L points, a row for each coefficient.
+pub(in crate::sh) struct Keep<'a, T, const L: usize>(pub &'a mut [[T; L]]);
 
-impl<T: Real, const L: usize> Visitor<T, L> for StorePoints<'_, T> {
+impl<T: Real, const L: usize> Visitor<T, L> for Keep<'_, T, L> {
     #[inline(always)]
     fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
         let centre = l * (l + 1);
-        for i in 0..L {
-            if i < self.count {
-                let row = &mut self.out[i * self.stride..][..self.stride];
-                if m == 0 {
-                    row[centre] = q[i];
-                } else {
-                    row[centre + m] = q[i] * c[i];
-                    row[centre - m] = q[i] * s[i];
-                }
+        if m == 0 {
+            self.0[centre] = *q;
+        } else {
+            for i in 0..L {
+                self.0[centre + m][i] = q[i] * c[i];
+                self.0[centre - m][i] = q[i] * s[i];
             }
         }
     }

@@ -10,7 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use self::gradient::{GradientPoint, GradientRows, walk_gradient};
 use self::hessian::{HessianPoint, HessianRows, walk_hessian};
-use self::kernel::{Accumulate, Dot, StoreFewRows, StorePoints, StoreRows, Table, walk, walk_fixed};
+use self::kernel::{Accumulate, Dot, Keep, StoreFewRows, StoreRows, Table, walk, walk_fixed};
 use crate::error::check_length;
 use crate::numeric::align_stack;
 use crate::{Error, Real, Result};
@@ -100,15 +100,15 @@ impl<T: Real> Basis<T> {
     pub fn eval(&self, direction: &Vector3<T>, out: &mut [T]) {
         check_length("coefficients", self.coefficient_count(), out.len());
         let d = [&[direction.x], &[direction.y], &[direction.z]];
+        let out = out.as_chunks_mut::<1>().0;
         macro_rules! unrolled {
             ($($bands:literal)*) => {
                 match self.bands {
                     $($bands => {
-                        let out = &mut out[..$bands * $bands];
-                        let mut store = StorePoints { out, stride: $bands * $bands, count: 1 };
-                        walk_fixed::<T, 1, $bands, _>(&self.table, $bands, d, &mut store)
+                        let mut keep = Keep(&mut out[..$bands * $bands]);
+                        walk_fixed::<T, 1, $bands, _>(&self.table, $bands, d, &mut keep)
                     })*
-                    bands => walk(&self.table, bands, d, &mut StorePoints { out, stride: bands * bands, count: 1 }),
+                    bands => walk(&self.table, bands, d, &mut Keep(out)),
                 }
             };
         }
@@ -129,6 +129,8 @@ impl<T: Real> Basis<T> {
     }
 
     /// All y_i at many directions, a row for each point: `out[p · bands² + i]` is y_i at point p.
+    ///
+    /// Above 6 bands it allocates once a call.
     ///
     /// # Panics
     /// If the three slices differ in length or `out.len()` is not bands² times it.
@@ -393,12 +395,30 @@ impl<T: Real> Job for EvalPoints<'_, T> {
 
     #[inline(always)]
     fn run<const L: usize>(self) {
+        match self.basis.bands {
+            1 => self.blocks::<L, 1>(&mut [[T::zero(); L]; 1]),
+            2 => self.blocks::<L, 2>(&mut [[T::zero(); L]; 4]),
+            3 => self.blocks::<L, 3>(&mut [[T::zero(); L]; 9]),
+            4 => self.blocks::<L, 4>(&mut [[T::zero(); L]; 16]),
+            5 => self.blocks::<L, 5>(&mut [[T::zero(); L]; 25]),
+            6 => self.blocks::<L, 6>(&mut [[T::zero(); L]; 36]),
+            bands => self.blocks::<L, 0>(&mut vec![[T::zero(); L]; bands * bands]),
+        }
+    }
+}
+
+impl<T: Real> EvalPoints<'_, T> {
+    /// B bands, or any number where B is 0. Rows of L points are kept, then transposed.
+    #[inline(always)]
+    fn blocks<const L: usize, const B: usize>(self, values: &mut [[T; L]]) {
         let Self { basis, d, out } = self;
-        let stride = basis.bands * basis.bands;
+        let stride = values.len();
         for (first, out) in (0..d[0].len()).step_by(L).zip(out.chunks_mut(stride * L)) {
             let [x, y, z] = load_points::<T, L>(d, first);
-            let count = L.min(d[0].len() - first);
-            walk(&basis.table, basis.bands, [&x, &y, &z], &mut StorePoints { out, stride, count });
+            walk_fixed::<T, L, B, _>(&basis.table, basis.bands, [&x, &y, &z], &mut Keep(&mut *values));
+            for (i, out) in out.chunks_exact_mut(stride).enumerate() {
+                out.iter_mut().zip(&*values).for_each(|(out, values)| *out = values[i]);
+            }
         }
     }
 }
