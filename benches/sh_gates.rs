@@ -1,60 +1,17 @@
-//! Nanoseconds of spherical harmonics against the goals of docs/performance.md, as robust as a shared machine allows: every job in turn,
-//! over and over, the least and the median of its rounds. Same inputs and same way as peers/directxmath.cpp, so that
-//! peers/against_directxmath.py can run both alternately.
+//! Nanoseconds of spherical harmonics against the goals of docs/performance.md. Same inputs and same way as peers/directxmath.cpp, so
+//! that peers/against_directxmath.py can run both alternately.
 //!
 //! Run with: cargo bench -p haarmonic-benches --bench sh_gates [-- WORDS]: jobs whose name holds all the words.
 
 use std::hint::black_box;
-use std::time::{Duration, Instant};
 
 use haarmonic::nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 use haarmonic::sh::{Basis, CubeProjection, Product, Rotation, Rotator, Square, TexelRule, rotate_z};
 use haarmonic::sphere::{CubeGrid, CubeMap, fibonacci_directions};
+use haarmonic_benches::Jobs;
 
 /// Inputs of single calls, in the first cache up to 6 bands.
 const INPUTS: usize = 64;
-const ROUND: Duration = Duration::from_micros(300);
-const ROUNDS: usize = 60;
-
-/// Something to time: a call does `units` of what is counted.
-struct Job {
-    name: String,
-    units: usize,
-    call: Box<dyn FnMut()>,
-    calls: usize,
-    times: Vec<f64>,
-}
-
-impl Job {
-    fn new(name: impl Into<String>, units: usize, call: impl FnMut() + 'static) -> Self {
-        Self { name: name.into(), units, call: Box::new(call), calls: 1, times: Vec::new() }
-    }
-
-    fn round(&mut self) -> Duration {
-        let start = Instant::now();
-        (0..self.calls).for_each(|_| (self.call)());
-        start.elapsed()
-    }
-
-    /// As many calls as a round wants.
-    fn calibrate(&mut self) {
-        while self.round() < ROUND {
-            self.calls *= 2;
-        }
-    }
-
-    fn measure(&mut self) {
-        let nanoseconds = self.round().as_secs_f64() * 1e9;
-        self.times.push(nanoseconds / (self.calls * self.units) as f64);
-    }
-
-    fn report(&mut self) {
-        self.times.sort_by(f64::total_cmp);
-        let (least, median) = (self.times[0], self.times[self.times.len() / 2]);
-        println!("{:<28} least {least:10.3} ns, median {median:10.3} ns", self.name);
-    }
-}
-
 /// Ordinary numbers in −1..1, the sequence of peers/directxmath.cpp.
 fn numbers(len: usize) -> Vec<f32> {
     let mut state = 1u32;
@@ -70,28 +27,28 @@ fn batch_size(size: usize) -> usize {
     ((2000 / size).max(8) / 8).div_ceil(2) * 16 - 8
 }
 
-fn products(jobs: &mut Vec<Job>) {
+fn products(jobs: &mut Jobs) {
     for bands in 2..=8 {
         let (size, count) = (bands * bands, batch_size(bands * bands));
         let product = Product::<f32>::new(bands, bands, bands).expect("bands in range");
         let square = Square::<f32>::new(bands, bands).expect("bands in range");
         let (a, b, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS), numbers(size * INPUTS));
         let single = product.clone();
-        jobs.push(Job::new(format!("product single {bands}"), INPUTS, move || {
+        jobs.add(format!("product single {bands}"), INPUTS, move || {
             let inputs = a.chunks_exact(size).zip(b.chunks_exact(size));
             for ((a, b), out) in inputs.zip(black_box(&mut out).chunks_exact_mut(size)) {
                 single.apply(a, b, out);
             }
-        }));
+        });
         let (a, b, mut out) = (numbers(size * count), numbers(size * count), numbers(size * count));
         let f = a.clone();
-        jobs.push(Job::new(format!("product batch {bands}"), count, move || {
+        jobs.add(format!("product batch {bands}"), count, move || {
             product.batch(count, black_box(&a), &b, black_box(&mut out));
-        }));
+        });
         let mut out = f.clone();
-        jobs.push(Job::new(format!("square batch {bands}"), count, move || {
+        jobs.add(format!("square batch {bands}"), count, move || {
             square.batch(count, black_box(&f), black_box(&mut out));
-        }));
+        });
     }
 }
 
@@ -100,7 +57,7 @@ fn turn(i: usize) -> Rotation3<f64> {
     Rotation3::new(Vector3::new((1.3 * x).sin(), (0.7 * x + 1.0).cos(), (2.1 * x).sin()) * 2.0)
 }
 
-fn single_rotations(jobs: &mut Vec<Job>) {
+fn single_rotations(jobs: &mut Jobs) {
     let turns: Vec<_> = (0..INPUTS).map(|i| turn(i).cast::<f32>()).collect();
     let quaternions: Vec<_> = turns.iter().map(UnitQuaternion::from_rotation_matrix).collect();
     for bands in 3..=6 {
@@ -108,49 +65,49 @@ fn single_rotations(jobs: &mut Vec<Job>) {
         let rotator = Rotator::<f32>::new(bands).expect("bands in range");
         let (f, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS));
         let (turns, plan) = (turns.clone(), rotator.clone());
-        jobs.push(Job::new(format!("rotate single {bands}"), INPUTS, move || {
+        jobs.add(format!("rotate single {bands}"), INPUTS, move || {
             for ((f, turn), out) in f.chunks_exact(size).zip(&turns).zip(black_box(&mut out).chunks_exact_mut(size)) {
                 plan.apply(turn, f, out);
             }
-        }));
+        });
         let (f, mut out, quaternions) = (numbers(size * INPUTS), numbers(size * INPUTS), quaternions.clone());
-        jobs.push(Job::new(format!("rotate single quaternion {bands}"), INPUTS, move || {
+        jobs.add(format!("rotate single quaternion {bands}"), INPUTS, move || {
             for ((f, turn), out) in
                 f.chunks_exact(size).zip(&quaternions).zip(black_box(&mut out).chunks_exact_mut(size))
             {
                 rotator.apply_quaternion(turn, f, out);
             }
-        }));
+        });
         let (mut f, angles) = (numbers(size * INPUTS), numbers(INPUTS));
-        jobs.push(Job::new(format!("rotate_z single {bands}"), INPUTS, move || {
+        jobs.add(format!("rotate_z single {bands}"), INPUTS, move || {
             for (f, &angle) in black_box(&mut f).chunks_exact_mut(size).zip(&angles) {
                 rotate_z(angle, f);
             }
-        }));
+        });
     }
 }
 
-fn batch_rotations(jobs: &mut Vec<Job>) {
+fn batch_rotations(jobs: &mut Jobs) {
     for bands in [3, 4, 5, 6, 10, 21] {
         let size = bands * bands;
         let one = Rotation::<f32>::new(bands, &turn(3)).expect("bands in range");
         for count in [INPUTS, 512] {
             let (f, mut out, one) = (numbers(size * count), numbers(size * count), one.clone());
-            jobs.push(Job::new(format!("one rotation, {count} vectors {bands}"), count, move || {
+            jobs.add(format!("one rotation, {count} vectors {bands}"), count, move || {
                 one.batch(count, black_box(&f), black_box(&mut out));
-            }));
+            });
         }
         let quaternions: Vec<_> = (0..INPUTS).map(|i| UnitQuaternion::from_rotation_matrix(&turn(i))).collect();
         let q = [0, 1, 2, 3].map(|k| quaternions.iter().map(|q| q.coords[k] as f32).collect::<Vec<_>>());
         let rotator = Rotator::<f32>::new(bands).expect("bands in range");
         let (f, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS));
-        jobs.push(Job::new(format!("a rotation each {bands}"), INPUTS, move || {
+        jobs.add(format!("a rotation each {bands}"), INPUTS, move || {
             rotator.batch(INPUTS, q.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
-        }));
+        });
     }
 }
 
-fn evaluation(jobs: &mut Vec<Job>) {
+fn evaluation(jobs: &mut Jobs) {
     let directions: Vec<Vector3<f32>> =
         fibonacci_directions(INPUTS).iter().map(|d| Unit::into_inner(*d).cast::<f32>()).collect();
     for bands in [3, 4, 5, 6, 10, 21, 51] {
@@ -158,11 +115,11 @@ fn evaluation(jobs: &mut Vec<Job>) {
         let basis = Basis::<f32>::new(bands).expect("bands in range");
         if bands <= 6 {
             let (mut out, basis, directions) = (numbers(size * INPUTS), basis.clone(), directions.clone());
-            jobs.push(Job::new(format!("eval single {bands}"), INPUTS, move || {
+            jobs.add(format!("eval single {bands}"), INPUTS, move || {
                 for (d, out) in directions.iter().zip(black_box(&mut out).chunks_exact_mut(size)) {
                     basis.eval(d, out);
                 }
-            }));
+            });
         }
         for count in [if bands <= 4 { 256 } else { 64 }, 100_000] {
             if count == 100_000 && bands > 10 {
@@ -171,41 +128,35 @@ fn evaluation(jobs: &mut Vec<Job>) {
             let directions = fibonacci_directions(count);
             let [x, y, z] = [0, 1, 2].map(|k| directions.iter().map(|d| d[k] as f32).collect::<Vec<_>>());
             let (mut out, rows, [u, v, w]) = (numbers(size * count), basis.clone(), [x.clone(), y.clone(), z.clone()]);
-            jobs.push(Job::new(format!("eval rows, {count} points {bands}"), count, move || {
+            jobs.add(format!("eval rows, {count} points {bands}"), count, move || {
                 rows.eval_rows(black_box(&u), &v, &w, black_box(&mut out));
-            }));
+            });
             let (mut out, points) = (numbers(size * count), basis.clone());
-            jobs.push(Job::new(format!("eval points, {count} points {bands}"), count, move || {
+            jobs.add(format!("eval points, {count} points {bands}"), count, move || {
                 points.eval_points(black_box(&x), &y, &z, black_box(&mut out));
-            }));
+            });
         }
     }
 }
 
-fn projections(jobs: &mut Vec<Job>) {
+fn projections(jobs: &mut Jobs) {
     let grid = CubeGrid::new(64).expect("a side in range");
     let map = CubeMap::from_fn(grid, |d| d.map(|c| (3.0 * c).exp() as f32));
     for bands in [3, 6] {
         let plan = CubeProjection::<f32>::new(grid, bands, TexelRule::Centre).expect("bands in range");
         let map = map.clone();
-        jobs.push(Job::new(format!("project 64² × 6 RGB {bands}"), 1, move || {
+        jobs.add(format!("project 64² × 6 RGB {bands}"), 1, move || {
             black_box(plan.project(black_box(&map)));
-        }));
+        });
     }
 }
 
 fn main() {
-    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
-    let mut jobs = Vec::new();
+    let mut jobs = Jobs::default();
     products(&mut jobs);
     single_rotations(&mut jobs);
     batch_rotations(&mut jobs);
     evaluation(&mut jobs);
     projections(&mut jobs);
-    jobs.retain(|job| words.iter().all(|word| job.name.contains(word.as_str())));
-    jobs.iter_mut().for_each(Job::calibrate);
-    for _ in 0..ROUNDS {
-        jobs.iter_mut().for_each(Job::measure);
-    }
-    jobs.iter_mut().for_each(Job::report);
+    jobs.run();
 }
