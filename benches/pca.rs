@@ -5,6 +5,7 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use faer::{Mat, MatRef, Side};
+use haarmonic::Progress;
 use haarmonic::compress::{ClusteredPca, ClusteredPcaSettings, Pca, PcaMethod, PcaSettings};
 use haarmonic::reference::compress::NaivePca;
 
@@ -93,7 +94,32 @@ fn pca(c: &mut Criterion) {
     group.finish();
 }
 
+/// Progress as lines, a tenth of a stage each.
+struct Lines(std::sync::atomic::AtomicUsize);
+
+impl Progress for Lines {
+    fn advance(&self, done: usize, total: usize) {
+        let tenth = 10 * done / total.max(1);
+        if self.0.swap(tenth, std::sync::atomic::Ordering::Relaxed) != tenth {
+            println!("{tenth}/10");
+        }
+    }
+}
+
+/// Seconds of 40,000 × 1024 maps in 256 clusters of 8 components.
+fn goal() {
+    let (n, columns) = (40_000, 1024);
+    let matrix = rows(n, columns, 512, 6);
+    let start = std::time::Instant::now();
+    let coded = ClusteredPca::new(&matrix, columns, &ClusteredPcaSettings::new(256, 8), &Lines(Default::default()));
+    let (seconds, coded) = (start.elapsed().as_secs_f64(), coded.expect("finite maps"));
+    println!("clustered components, 40000 × 1024, 256 × 8: {seconds:.1} s, {:?}", coded.stats());
+}
+
 fn clustered(c: &mut Criterion) {
+    if std::env::var_os("CLUSTERED_PCA_GOAL").is_some() {
+        return goal();
+    }
     let mut group = c.benchmark_group("clustered_pca");
     group.sample_size(10);
     let columns = 1024;

@@ -5,6 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::kernels::{self, Pass, Work};
 use super::tables::Tables;
 use crate::error::{check_length, length_mismatch};
+use crate::numeric::align_stack;
 use crate::{Error, Real, Result};
 
 /// Where the samples of the blocks are. Coefficients always lie block after block.
@@ -283,6 +284,7 @@ impl<T: Real, const N: usize, const L: usize> WithSimd for Forward<'_, T, N, L> 
     /// `low` is constant where that pays.
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
         match self.low {
             low if low == N => self.run(N),
             4 if N == 16 => self.run(4),
@@ -317,6 +319,7 @@ impl<T: Real, const N: usize, const L: usize> WithSimd for Inverse<'_, T, N, L> 
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
         match self.low {
             low if low == N => self.run(N),
             4 if N == 16 => self.run(4),

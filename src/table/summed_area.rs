@@ -4,6 +4,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::prefix::{self, Columns};
 use crate::error::check_length;
+use crate::numeric::align_stack;
 use crate::{Error, Real, Result};
 
 /// How to build summed-area tables of one image size into the caller's memory, one or many.
@@ -191,6 +192,7 @@ impl<S: Real, T: Real> WithSimd for Tables<'_, S, T> {
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, _: V) {
+        align_stack();
         let [above, band] = self.columns;
         let (width, pitch) = (above.len(), above.len() + 1);
         if width == 0 || self.height == 0 {
@@ -227,6 +229,7 @@ impl<S: Real, T: Real> WithSimd for ColumnSums<'_, S, T> {
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, _: V) {
+        align_stack();
         prefix::column_sums(self.samples, self.sums);
     }
 }
@@ -245,6 +248,7 @@ impl<S: Real, T: Real> WithSimd for Band<'_, S, T> {
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, _: V) {
+        align_stack();
         self.scratch.fill(T::zero());
         prefix::band(self.samples, &mut Columns { above: self.above, band: self.scratch }, self.table);
     }

@@ -5,6 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::binary_map::BinaryMap;
 use super::distance_rows::{Buffers, FromSquare, Ring};
 use crate::error::check_length;
+use crate::numeric::align_stack;
 use crate::{Error, Result};
 
 /// Whether the frame of a map is a boundary.
@@ -204,6 +205,7 @@ impl<O: FromSquare> WithSimd for Maps<'_, O> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
         for (k, out) in self.out.chunks_exact_mut(self.len).enumerate() {
             let map = self.maps.part(self.len, k, 1);
             self.buffers.downwards(self.width, self.len / self.width, self.ring, map);
