@@ -36,6 +36,7 @@ impl Job {
         self.times.push(nanoseconds / (self.calls * self.units) as f64);
     }
 
+    #[expect(clippy::print_stdout, reason = "the report is what the program is for")]
     fn report(&mut self) {
         self.times.sort_by(f64::total_cmp);
         let (least, median) = (self.times[0], self.times[self.times.len() / 2]);

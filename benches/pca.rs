@@ -98,6 +98,7 @@ fn pca(c: &mut Criterion) {
 struct Lines(std::sync::atomic::AtomicUsize);
 
 impl Progress for Lines {
+    #[expect(clippy::print_stdout, reason = "progress is to be seen")]
     fn advance(&self, done: usize, total: usize) {
         let tenth = 10 * done / total.max(1);
         if self.0.swap(tenth, std::sync::atomic::Ordering::Relaxed) != tenth {
@@ -107,6 +108,7 @@ impl Progress for Lines {
 }
 
 /// Seconds of 40,000 × 1024 maps in 256 clusters of 8 components.
+#[expect(clippy::print_stdout, reason = "the report is what it is for")]
 fn goal() {
     let (n, columns) = (40_000, 1024);
     let matrix = rows(n, columns, 512, 6);

@@ -9,7 +9,7 @@ struct Aligned(u8);
 /// Has the function that this is inlined into keep its stack frame aligned to its vector registers; call it first in `with_simd`.
 ///
 /// LLVM aligns a frame for what is declared in it, not for registers that it spills later: those would lie across cache lines whenever the
-/// caller's frame happens to end between two, which makes long straight-line kernels up to 1.6 times slower, or not, by the luck of a build.
+/// caller's frame happens to end between two, and long straight-line kernels would be slower, or not, by the luck of a build.
 #[inline(always)]
 pub(crate) fn align_stack() {
     let aligned = Aligned(0);
