@@ -68,7 +68,7 @@ fn check<T: Real>(rows: &[Vec<f64>], settings: &PcaSettings) -> Result<(), TestC
             prop_assert!((product - f64::from(i == j)).abs() <= 32.0 * eps, "{i} {j}: {product}");
         }
         let largest = u.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        prop_assert!(u.iter().any(|&x| x == largest), "sign of component {j}");
+        prop_assert!(u.contains(&largest), "sign of component {j}");
         // u is the twin's where its variance stands apart: an error e of the matrix turns it by e/gap.
         let v = &twin.variances;
         let gap = if j > 0 { v[j - 1] - v[j] } else { f64::INFINITY };
