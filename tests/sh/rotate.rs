@@ -8,25 +8,7 @@ use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{cases, golden, numbers};
-
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
-}
-
-/// Largest |a − b|; NaN or infinity anywhere is infinite.
-fn worst<T: Real>(got: &[T], want: &[f64]) -> f64 {
-    assert_eq!(got.len(), want.len());
-    got.iter().zip(want).fold(0.0, |worst, (got, want)| {
-        let off = (got.widen() - want).abs();
-        if off.is_finite() { off.max(worst) } else { f64::INFINITY }
-    })
-}
-
-#[track_caller]
-fn assert_below(error: f64, tolerance: f64, what: &str) {
-    assert!(error <= tolerance, "{what}: error {error:e} exceeds {tolerance:e}");
-}
+use crate::support::{assert_below, cases, golden, narrow, numbers, worst};
 
 /// No zeros, no pattern, norm about 1 a degree.
 fn coefficients(bands: usize) -> Vec<f64> {
@@ -430,10 +412,9 @@ proptest! {
         Rotation::new(bands, &turn).unwrap().apply(&f, &mut by_plan);
         for l in 0..bands {
             let norm = |c: &[f32]| c[l * l..(l + 1) * (l + 1)].iter().map(|&c| f64::from(c).powi(2)).sum::<f64>().sqrt();
-            // Tiny ones lose digits below the smallest normal number.
+            // Measured: two thirds of it. Tiny ones lose digits below the smallest normal number.
             let tolerance = 5e-7 * (1.0 + l as f64).sqrt() * norm(&f) + 4e-45 * l as f64;
-            // Sampling keeps it to its condition.
-            for (out, tolerance) in [(&out, if l < 6 { 3.0 * tolerance } else { tolerance }), (&by_plan, tolerance)] {
+            for out in [&out, &by_plan] {
                 prop_assert!((norm(out) - norm(&f)).abs() <= tolerance, "degree {}: {} {}", l, norm(out), norm(&f));
             }
         }
@@ -446,8 +427,8 @@ proptest! {
         let once: Vec<f64> = apply(&plans[2], &f);
         let tolerance = 1.5e-15 * bands as f64;
         prop_assert!(worst(&apply::<f64>(&plans[0], &apply::<f64>(&plans[1], &f)), &once) <= tolerance);
-        // Sampling, up to six bands: 7e-15 a rotation measured.
-        let sampled = tolerance + 2e-14;
+        // Sampling, up to six bands: 6e-15 measured for two rotations.
+        let sampled = tolerance + 6e-15;
         prop_assert!(worst(&rotated(&rotated(&f, &b), &a), &once) <= sampled);
         prop_assert!(worst(&apply::<f64>(&plans[0].inverse(), &apply::<f64>(&plans[0], &f)), &f) <= tolerance);
         prop_assert!(worst(&rotated(&rotated(&f, &a), &a.inverse()), &f) <= sampled);
@@ -462,7 +443,7 @@ proptest! {
         let (mut before, mut after) = (vec![0.0; out * out], vec![0.0; out * out]);
         product.apply(&f, &g, &mut after);
         product.apply(&rotated(&f, &turn), &rotated(&g, &turn), &mut before);
-        prop_assert!(worst(&rotated(&after, &turn), &before) <= 6e-15 * bands as f64);
+        prop_assert!(worst(&rotated(&after, &turn), &before) <= 2e-15 * bands as f64);
     }
 
     #[test]
