@@ -33,8 +33,8 @@ fn labels<T: Real>(coded: &ClusteredPca<T>) -> Vec<usize> {
 /// What rounding may change in a squared distance of rows that are `size` long: some ε of |x|², and of |x − m|².
 fn noise<T: Real>(rows: &[Vec<f64>]) -> f64 {
     let square = rows.iter().map(|row| dot(row, row)).fold(0.0, f64::max);
-    // A component that is dropped leaves (2^-10 of the largest of rounding) behind; measured up to a third.
-    64.0 * T::epsilon().widen() * square
+    // Measured: up to an eighth of it in sums, a fifth in a row's distance.
+    8.0 * T::epsilon().widen() * square
 }
 
 /// Everything that must hold of any result.
@@ -93,7 +93,7 @@ fn check_result<T: Real>(
 /// they are cut off.
 fn drop_rounding(cluster: &mut twin::NaivePca, k: usize, noise: f64) -> bool {
     let v = &cluster.variances;
-    let rank = v.iter().take_while(|&&x| x > 1e-9 * v[0] && x > 1e-3 * noise).count();
+    let rank = v.iter().take_while(|&&x| x > 1e-9 * v[0] && x > 8e-3 * noise).count();
     let next = v.get(rank).map_or(0.0, |x| x.abs());
     let gap = if (1..rank).contains(&k) { v[k - 1] - v[k] } else { f64::INFINITY };
     let determined = next <= 1e-15 * v[0].max(noise * f64::EPSILON) && gap > 0.1 * v[0];
@@ -125,6 +125,7 @@ fn one_round<T: Real>(rows: &[Vec<f64>], clusters: usize, k: usize) -> Result<()
         let distances = twin::cluster_distances(row, &fitted, k);
         (0..clusters).all(|c| c == label || distances[c] > distances[label] + noise::<T>(&rows))
     });
+    // More than half of the cases.
     if clear && determined {
         prop_assert_eq!(got, want.iter().map(|label| kept.binary_search(label).unwrap()).collect::<Vec<_>>());
     }
