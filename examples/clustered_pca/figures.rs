@@ -1,0 +1,119 @@
+//! Pictures: maps before and after, and errors against storage.
+
+use haarmonic::compress::Distortion;
+use haarmonic::scene::linear_to_srgb;
+use haarmonic::sphere::{CubeGrid, Face};
+
+use crate::maps::Maps;
+use crate::measure::{CLUSTERS, Figures, Measured};
+use crate::stored::Format;
+use crate::support::Failure;
+use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
+use crate::support::sheet::{Panel, Sheet, heat};
+
+/// Pixels of a texel.
+const PIXELS: usize = 4;
+const BACK: [u8; 3] = [24, 25, 28];
+/// Where a vertex stands among all by the error of its map.
+const SHARES: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
+
+/// Maps of some vertices: as they are, and by principal components in one piece and clustered, at equal storage.
+pub fn maps(maps: &Maps, [whole, clustered]: [&Measured; 2]) -> Result<Sheet, Failure> {
+    let decoded = [whole.stored.decode(Format::Single)?.0, clustered.stored.decode(Format::Single)?.0];
+    let row = |matrix: &'_ [f32], vertex: usize| matrix[vertex * maps.columns()..][..maps.columns()].to_vec();
+    let error = |way: usize, vertex| Distortion::between(maps.map(vertex), &row(&decoded[way], vertex)).relative;
+    let mut order: Vec<usize> = (0..maps.vertices()).collect();
+    order.sort_by_cached_key(|&v| (error(0, v) + error(1, v)).to_bits()); // ordered as numbers >= 0
+    let mut rows = Vec::new();
+    for share in SHARES {
+        let vertex = order[(share * (order.len() - 1) as f64) as usize];
+        let original = maps.map(vertex);
+        let caption = [format!("vertex {vertex}"), format!("{:.0} % have less error", 100.0 * share)];
+        let mut panels = vec![cross(maps.grid, caption, |i| grey(original[i]))];
+        for (way, measured) in [whole, clustered].into_iter().enumerate() {
+            let left = row(&decoded[way], vertex);
+            let ratio = format!("ratio {:.0}", measured.formats[0].ratio);
+            panels.push(cross(maps.grid, [measured.name(), ratio], |i| grey(left[i])));
+            let off = format!("error {:.1} %", 100.0 * error(way, vertex));
+            let caption = [off, "difference, white = 0.5".to_owned()];
+            panels.push(cross(maps.grid, caption, |i| heat(2.0 * (left[i] - original[i]).abs())));
+        }
+        rows.push(panels);
+    }
+    Ok(Sheet::new(
+        "Visibility x cosine on a cube, unfolded: +y on top, then -x +z +x -z, -y below; what is negative is black",
+        &rows,
+    ))
+}
+
+fn grey(x: f32) -> [u8; 3] {
+    [(linear_to_srgb(x.clamp(0.0, 1.0)) * 255.0).round() as u8; 3]
+}
+
+/// A cube unfolded, so that neighbours in the picture are neighbours on the cube.
+fn cross(grid: CubeGrid, caption: [String; 2], colour: impl Fn(usize) -> [u8; 3]) -> Option<Panel> {
+    const PLACES: [(Face, [usize; 2]); 6] = [
+        (Face::PosY, [1, 0]),
+        (Face::NegX, [0, 1]),
+        (Face::PosZ, [1, 1]),
+        (Face::PosX, [2, 1]),
+        (Face::NegZ, [3, 1]),
+        (Face::NegY, [1, 2]),
+    ];
+    let side = grid.side();
+    let [width, height] = [4, 3].map(|faces| faces * side * PIXELS);
+    let mut pixels = vec![BACK; width * height];
+    for (face, [column, row]) in PLACES {
+        for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
+            let colour = colour(grid.index(face, x, y));
+            let [left, top] = [column * side + x, row * side + y].map(|c| c * PIXELS);
+            for dy in 0..PIXELS {
+                pixels[(top + dy) * width + left..][..PIXELS].fill(colour);
+            }
+        }
+    }
+    Some(Panel { caption: caption.to_vec(), width, height, pixels })
+}
+
+/// Errors of maps and of relit values against storage, and against what a row costs under a new light.
+pub fn errors(all: &[Measured]) -> Sheet {
+    let lines = |point: &dyn Fn(&Measured, &Figures) -> [f64; 2], formats: &[(usize, bool)]| {
+        let mut series = Vec::new();
+        for (colour, clusters) in [1].into_iter().chain(CLUSTERS).enumerate() {
+            for &(format, dashed) in formats {
+                let points = all.iter().filter(|m| m.clusters == clusters).map(|m| point(m, &m.formats[format]));
+                let name = if clusters == 1 { "PCA".to_owned() } else { format!("{clusters} clusters") };
+                let label = format!("{name}, {}", Format::ALL[format].name());
+                series.push(Series { dashed, ..Series::dotted(&label, COLOURS[colour], points.collect()) });
+            }
+        }
+        series
+    };
+    let both = [(0, false), (2, true)];
+    let largest = |of: &dyn Fn(&Figures) -> f64| all.iter().flat_map(|m| &m.formats).map(of).fold(0.01, f64::max);
+    // Room above for the legend.
+    let percent = |label: &str, largest: f64| Axis::between(label, Scale::Linear, 0.0, 140.0 * largest);
+    let maps = Chart {
+        title: "Maps".to_owned(),
+        x: Axis::new("ratio: bytes of the maps in f32 / bytes stored", Scale::Log10),
+        y: percent("relative error of the maps, %", largest(&|f| f.error)),
+        series: lines(&|_, f| [f.ratio, 100.0 * f.error], &both),
+        legend: Legend::TopLeft,
+        caption: Vec::new(),
+        size: [500, 420],
+    };
+    let relit = Chart {
+        title: "Relit values".to_owned(),
+        y: percent("relative error of the relit values, %", largest(&|f| f.relit)),
+        series: lines(&|_, f| [f.ratio, 100.0 * f.relit], &both),
+        ..maps.clone()
+    };
+    let cost = Chart {
+        title: "Maps, by the work for a row under a new light".to_owned(),
+        x: Axis::new("weights a row", Scale::Log2),
+        series: lines(&|m, f| [m.stored.components() as f64, 100.0 * f.error], &both[..1]),
+        legend: Legend::TopRight,
+        ..maps.clone()
+    };
+    plot::grid(&[vec![maps.draw(), relit.draw(), cost.draw()]])
+}
