@@ -74,12 +74,24 @@ struct Batch<'a, T> {
 impl<T: Element> WithSimd for Batch<'_, T> {
     type Output = ();
 
-    /// Degree by degree; the last block of vectors has two registers as well, some for the second time.
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         align_stack();
+        match T::lanes::<S>() {
+            16 => self.run::<S, 32>(simd),
+            8 => self.run::<S, 16>(simd),
+            4 => self.run::<S, 8>(simd),
+            2 => self.run::<S, 4>(simd),
+            _ => self.run::<S, 2>(simd),
+        }
+    }
+}
+
+impl<T: Element> Batch<'_, T> {
+    /// Degree by degree, W vectors, two registers, at once; the last W vectors are whole, too, some for the second time.
+    #[inline(always)]
+    fn run<S: Simd, const W: usize>(self, simd: S) {
         let Self { bands, tiles, count, f, out } = self;
-        let width = 2 * T::lanes::<S>();
         macro_rules! degrees {
             ($($l:literal: $($rows:literal)*;)*) => {$(
                 if bands > $l {
@@ -89,18 +101,18 @@ impl<T: Element> WithSimd for Batch<'_, T> {
                     let block = &tiles[block_start($l)..][..N * N];
                     let mut at = 0;
                     while at < count {
-                        let first = if at + width <= count { at } else { count - width };
+                        let first = if at + W <= count { at } else { count - W };
                         let vectors = low.load(first);
-                        let to = &mut windows::<T, N>(&mut low.out, first, width);
+                        let to = &mut windows::<T, N, W>(&mut low.out, first);
                         let mut row = 0;
                         $(
-                            multiply::<S, T, N, $rows>(simd, &block[row * N..][..$rows * N], &vectors, &mut to[row..row + $rows]);
+                            multiply::<S, T, N, $rows, W>(simd, &block[row * N..][..$rows * N], &vectors, &mut to[row..row + $rows]);
                             #[allow(unused_assignments, reason = "the last one's")]
                             {
                                 row += $rows;
                             }
                         )*
-                        at += width;
+                        at += W;
                     }
                 }
             )*};
@@ -114,10 +126,10 @@ impl<T: Element> WithSimd for Batch<'_, T> {
                 let (block, local, f) = (&tiles[block_start(l)..block_start(l + 1)], &mut local[..2 * l + 1], &f[rows]);
                 let mut at = 0;
                 while at < count {
-                    high.first = if at + width <= count { at } else { count - width };
+                    high.first = if at + W <= count { at } else { count - W };
                     high.load(f, local);
                     high.multiply_all(block, local, shares(l));
-                    at += width;
+                    at += W;
                 }
             }
         }
@@ -154,23 +166,24 @@ impl<'a, S: Simd, T: Element, const N: usize> Low<'a, S, T, N> {
     }
 }
 
-/// The places of all rows, before anything is computed: a check between two rows has LLVM compute one row after the other.
+/// The places of all rows, before anything is computed, and of a length that is known: with a check between two rows LLVM would compute one row
+/// after the other.
 #[inline(always)]
-fn windows<'a, T, const N: usize>(out: &'a mut [&mut [T]; N], first: usize, width: usize) -> [&'a mut [T]; N] {
+fn windows<'a, T, const N: usize, const W: usize>(out: &'a mut [&mut [T]; N], first: usize) -> [&'a mut [T; W]; N] {
     let mut rows = out.iter_mut();
     std::array::from_fn(
         #[inline(always)]
-        |_| &mut rows.next().expect("N rows")[first..][..width],
+        |_| rows.next().expect("N rows")[first..].first_chunk_mut().expect("W vectors"),
     )
 }
 
 /// R rows of a block times the vectors.
 #[inline(always)]
-fn multiply<S: Simd, T: Element, const N: usize, const R: usize>(
+fn multiply<S: Simd, T: Element, const N: usize, const R: usize, const W: usize>(
     simd: S,
     block: &[T],
     vectors: &[[T::Reg<S>; 2]; N],
-    to: &mut [&mut [T]],
+    to: &mut [&mut [T; W]],
 ) {
     let mut sums = [vectors[0]; R];
     for j in 0..N {
