@@ -65,3 +65,13 @@ impl Jobs {
         self.0.iter_mut().for_each(Job::report);
     }
 }
+
+/// Ordinary numbers in −1..1, the sequence of peers/directxmath.cpp.
+pub fn numbers(len: usize) -> Vec<f32> {
+    let mut state = 1u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
+    };
+    (0..len).map(|_| next()).collect()
+}

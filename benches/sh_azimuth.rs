@@ -8,22 +8,13 @@
 use std::hint::black_box;
 
 use haarmonic::sh::Product;
-use haarmonic_benches::Jobs;
+use haarmonic_benches::{Jobs, numbers};
 use rustfft::{FftPlanner, num_complex::Complex};
 
 const LANES: usize = 8;
 
 /// Cosines and sines of the orders of a factor on a circle, LANES circles side by side.
 type Orders = Vec<[[f32; LANES]; 2]>;
-
-fn numbers(len: usize) -> Vec<f32> {
-    let mut state = 1u32;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
-}
 
 fn orders(n: usize) -> Orders {
     let x = numbers(2 * n * LANES);

@@ -8,20 +8,10 @@ use std::hint::black_box;
 use haarmonic::nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
 use haarmonic::sh::{Basis, CubeProjection, Product, Rotation, Rotator, Square, TexelRule, rotate_z};
 use haarmonic::sphere::{CubeGrid, CubeMap, fibonacci_directions};
-use haarmonic_benches::Jobs;
+use haarmonic_benches::{Jobs, numbers};
 
 /// Inputs of single calls, in the first cache up to 6 bands.
 const INPUTS: usize = 64;
-/// Ordinary numbers in −1..1, the sequence of peers/directxmath.cpp.
-fn numbers(len: usize) -> Vec<f32> {
-    let mut state = 1u32;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
-}
-
 /// Vectors of a batch that stays in the second cache, an odd number of registers so that rows do not share cache sets.
 fn batch_size(size: usize) -> usize {
     ((2000 / size).max(8) / 8).div_ceil(2) * 16 - 8

@@ -1,6 +1,8 @@
 //! Clustered principal components against the naive twin, and their own laws.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use std::sync::Mutex;
 
 use haarmonic::compress::{ClusteredPca, ClusteredPcaSettings, Distortion, Pca, PcaSettings};
@@ -9,21 +11,11 @@ use haarmonic::strategies::clustered_rows;
 use haarmonic::{Error, Progress, Real};
 use proptest::prelude::*;
 
+use support::{dot, flat, wide};
+
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
     ProptestConfig::with_cases(cases)
-}
-
-fn flat<T: Real>(rows: &[Vec<f64>]) -> Vec<T> {
-    rows.iter().flatten().map(|&x| T::of(x)).collect()
-}
-
-fn wide<T: Real>(x: &[T]) -> Vec<f64> {
-    x.iter().map(|x| x.widen()).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn labels<T: Real>(coded: &ClusteredPca<T>) -> Vec<usize> {

@@ -1,27 +1,19 @@
 //! Principal components against the naive twin, and their own laws.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use haarmonic::compress::{Centre, Pca, PcaMethod, PcaSettings};
 use haarmonic::reference::compress::NaivePca;
 use haarmonic::strategies::low_rank_rows;
 use haarmonic::{Error, Real};
 use proptest::prelude::*;
 
+use support::{dot, flat, wide};
+
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(64);
     ProptestConfig::with_cases(cases)
-}
-
-fn flat<T: Real>(rows: &[Vec<f64>]) -> Vec<T> {
-    rows.iter().flatten().map(|&x| T::of(x)).collect()
-}
-
-fn wide<T: Real>(x: &[T]) -> Vec<f64> {
-    x.iter().map(|x| x.widen()).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Sketches as wide as the matrices below, which are not approximate.

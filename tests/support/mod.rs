@@ -1,6 +1,7 @@
-//! What the tests of Haar and affine wavelets share: golden files, comparisons, one-sided slopes.
+//! What tests of several rooms share: golden files, comparisons, one-sided slopes, rows of matrices.
 #![allow(dead_code, reason = "each test uses its own share of this")]
 
+use haarmonic::Real;
 use haarmonic::affine::AffineMap;
 use serde_json::Value;
 
@@ -51,4 +52,17 @@ pub fn differentiable() -> impl proptest::prelude::Strategy<Value = AffineMap> {
     let generic = [map(0.713, 0.2), map(-1.3719, 1.2113), map(2.613, -0.737), map(-0.5471, 0.7)];
     prop_oneof![haarmonic::strategies::dyadic_map(), prop::sample::select(generic.to_vec())]
         .prop_filter("a moderate scale", |map| (0.2..8.0).contains(&map.scale().abs()) && map.offset().abs() < 8.0)
+}
+
+/// Rows one after the other.
+pub fn flat<T: Real>(rows: &[Vec<f64>]) -> Vec<T> {
+    rows.iter().flatten().map(|&x| T::of(x)).collect()
+}
+
+pub fn wide<T: Real>(x: &[T]) -> Vec<f64> {
+    x.iter().map(|x| x.widen()).collect()
+}
+
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
