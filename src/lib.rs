@@ -96,7 +96,7 @@ mod progress;
 mod real;
 
 pub mod affine;
-#[cfg(feature = "wavelet")]
+#[cfg(any(feature = "block_product", feature = "wavelet"))]
 pub mod backend;
 pub mod compress;
 pub mod dct;

@@ -5,5 +5,7 @@
 //! light, view and materials into radiance per vertex, frame after frame, without allocation after the first.
 
 mod archive;
+#[cfg(feature = "block_product")]
+pub mod block_product;
 #[cfg(feature = "wavelet")]
 pub mod wavelet;

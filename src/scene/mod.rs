@@ -16,8 +16,9 @@ mod visibility;
 
 pub use brdf::{
     AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
-    Phong, Sum, Ward,
+    Phong, Structure, Sum, Ward,
 };
+pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};

@@ -279,6 +279,29 @@ impl<I: MapIndex> GrayMaps<I> {
         self.ends.push(end);
     }
 
+    /// Changes of all maps.
+    #[inline]
+    pub fn total_changes(&self) -> usize {
+        self.changes.len()
+    }
+
+    /// Copies a range of maps.
+    ///
+    /// # Panics
+    /// If the range is not within the maps.
+    #[track_caller]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        let place = |map: usize| if map == 0 { 0 } else { self.ends[map - 1] };
+        let (start, end) = (place(range.start), place(range.end));
+        let changes = start as usize..end as usize;
+        Self {
+            ends: self.ends[range].iter().map(|&end| end - start).collect(),
+            levels: self.levels[changes.clone()].to_vec(),
+            changes: self.changes[changes].to_vec(),
+            ..*self
+        }
+    }
+
     /// Appends the maps of another, such as one that another thread filled.
     ///
     /// # Panics

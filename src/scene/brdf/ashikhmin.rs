@@ -43,6 +43,10 @@ impl AshikhminShirley {
 }
 
 impl Brdf for AshikhminShirley {
+    fn is_isotropic(&self) -> bool {
+        self.exponents[0] == self.exponents[1]
+    }
+
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
         if !above_horizon(wi, wo) {
             return Vector3::zeros();

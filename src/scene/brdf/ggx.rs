@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local};
 use super::{
-    Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, half_vector, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, half_vector, plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -59,6 +59,36 @@ impl CookTorrance {
     fn lambda(&self, w: &Vector3<f64>) -> f64 {
         ((self.alpha[0] * w.x).powi(2) + (self.alpha[1] * w.y).powi(2) + w.z * w.z).sqrt()
     }
+
+    /// Reflectance at normal incidence.
+    pub fn f0(&self) -> Vector3<f64> {
+        self.f0
+    }
+
+    /// α along the tangent and the bitangent.
+    pub fn alpha(&self) -> [f64; 2] {
+        self.alpha
+    }
+
+    /// The factor of the [`facets`](Self::facets).
+    pub(crate) fn constant(&self) -> f64 {
+        0.5 / (PI * self.alpha[0] * self.alpha[1])
+    }
+
+    /// None if the viewer is below the horizon.
+    pub(crate) fn facets(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<Reflectance> {
+        let facets = Facets {
+            local: Local::new(axes, wo)?,
+            alpha2: self.alpha.map(|a| (a * a) as f32),
+            inverse: self.alpha.map(|a| (1.0 / a) as f32),
+            lambda: self.lambda(&axes.to_local(wo)) as f32,
+        };
+        Some(if self.grey() {
+            Reflectance::Grey(Grey { facets, f0: self.f0.x as f32 })
+        } else {
+            Reflectance::Coloured(Coloured { facets, f0: kernel::narrow(&self.f0) })
+        })
+    }
 }
 
 impl Brdf for CookTorrance {
@@ -79,24 +109,24 @@ impl Brdf for CookTorrance {
         self.grey().then(|| split_colour(&self.f0).0)
     }
 
+    fn structure(&self) -> Structure<'_> {
+        Structure::CookTorrance(self)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.alpha[0] == self.alpha[1]
+    }
+
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         let axes = Axes::new(frame);
         plane_count(self.grey(), directions.len(), out.len());
-        let Some(local) = Local::new(&axes, wo) else { return };
-        let local_wo = axes.to_local(wo);
-        let facets = Facets {
-            local,
-            alpha2: self.alpha.map(|a| (a * a) as f32),
-            inverse: self.alpha.map(|a| (1.0 / a) as f32),
-            lambda: self.lambda(&local_wo) as f32,
-        };
-        let constant = scale * 0.5 / (PI * self.alpha[0] * self.alpha[1]);
-        if self.grey() {
-            let kernel = Grey { facets, f0: self.f0.x as f32 };
-            kernel::add_scalar(kernel, &axes, directions, (Vector3::repeat(1.0), constant), out);
-        } else {
-            let kernel = Coloured { facets, f0: kernel::narrow(&self.f0) };
-            kernel::add_rgb(kernel, &axes, directions, [constant as f32; 3], out);
+        let Some(facets) = self.facets(&axes, wo) else { return };
+        let constant = scale * self.constant();
+        match facets {
+            Reflectance::Grey(kernel) => {
+                kernel::add_scalar(kernel, &axes, directions, (Vector3::repeat(1.0), constant), out);
+            }
+            Reflectance::Coloured(kernel) => kernel::add_rgb(kernel, &axes, directions, [constant as f32; 3], out),
         }
     }
 }
@@ -129,8 +159,15 @@ impl Facets {
     }
 }
 
+/// One channel or three.
 #[derive(Clone, Copy)]
-struct Grey {
+pub(crate) enum Reflectance {
+    Grey(Grey),
+    Coloured(Coloured),
+}
+
+#[derive(Clone, Copy)]
+pub(crate) struct Grey {
     facets: Facets,
     f0: f32,
 }
@@ -144,7 +181,7 @@ impl Kernel<1> for Grey {
 }
 
 #[derive(Clone, Copy)]
-struct Coloured {
+pub(crate) struct Coloured {
     facets: Facets,
     f0: [f32; 3],
 }

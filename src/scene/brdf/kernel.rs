@@ -12,16 +12,18 @@ use crate::sphere::Face;
 ///
 /// `d` is the direction in world coordinates, `z` = n·d its cosine. The values for z ≤ 0 are thrown away; they may be
 /// anything.
-pub(super) trait Kernel<const N: usize>: Copy {
+pub(crate) trait Kernel<const N: usize>: Copy {
+    /// Whether values for z ≤ 0 go on as smoothly as above.
+    const SMOOTH: bool = false;
     fn value(&self, d: [f32; 3], z: f32) -> [f32; N];
 }
 
 #[inline(always)]
-pub(super) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn narrow(v: &Vector3<f64>) -> [f32; 3] {
+pub(crate) fn narrow(v: &Vector3<f64>) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
 }
 
@@ -245,6 +247,39 @@ fn fill_three<const N: usize, K: Kernel<N>>(
 fn add_scaled(weight: f32, values: &[f32], out: &mut [f32]) {
     for (out, value) in out.iter_mut().zip(values) {
         *out += weight * value;
+    }
+}
+
+/// Any BRDF as a kernel, in `f64`.
+#[derive(Clone, Copy)]
+pub(crate) struct Eval<'a> {
+    pub(crate) brdf: &'a dyn Brdf,
+    pub(crate) axes: &'a Axes,
+    /// The direction to the viewer in the frame of `axes`.
+    pub(crate) wo: Vector3<f64>,
+}
+
+impl Kernel<3> for Eval<'_> {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
+        if z <= 0.0 {
+            return [0.0; 3];
+        }
+        let wi = self.axes.to_local(&Vector3::from(d).cast());
+        narrow(&(self.brdf.eval(&wi, &self.wo) * wi.z))
+    }
+}
+
+/// Lambert's cosine, without albedo/π.
+#[derive(Clone, Copy)]
+pub(crate) struct Cosine;
+
+impl Kernel<1> for Cosine {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(&self, _: [f32; 3], z: f32) -> [f32; 1] {
+        [z]
     }
 }
 

@@ -4,8 +4,8 @@ use std::f64::consts::FRAC_1_PI;
 
 use nalgebra::Vector3;
 
-use super::kernel::{self, Kernel};
-use super::{Axes, Brdf, DirectionTable, above_horizon, check_albedo, split_colour};
+use super::kernel::{self, Cosine};
+use super::{Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, split_colour};
 use crate::Result;
 use crate::scene::Frame;
 
@@ -29,6 +29,16 @@ impl Lambert {
         check_albedo("Lambert albedo", &albedo)?;
         Ok(Self { albedo })
     }
+
+    /// The albedo.
+    pub fn albedo(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    /// Albedo/π.
+    pub(crate) fn factor(&self) -> Vector3<f64> {
+        self.albedo * FRAC_1_PI
+    }
 }
 
 impl Brdf for Lambert {
@@ -40,6 +50,14 @@ impl Brdf for Lambert {
         Some(split_colour(&self.albedo).0)
     }
 
+    fn structure(&self) -> Structure<'_> {
+        Structure::Lambert(self)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
     fn is_view_independent(&self) -> bool {
         true
     }
@@ -49,15 +67,5 @@ impl Brdf for Lambert {
         let factor = kernel::scaled(&self.albedo, scale, FRAC_1_PI);
         let factor = if axes.to_local(wo).z > 0.0 { factor } else { (factor.0, 0.0) };
         kernel::add_scalar(Cosine, &axes, directions, factor, out);
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Cosine;
-
-impl Kernel<1> for Cosine {
-    #[inline(always)]
-    fn value(&self, _: [f32; 3], z: f32) -> [f32; 1] {
-        [z]
     }
 }

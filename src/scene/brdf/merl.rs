@@ -210,6 +210,10 @@ impl Merl {
 }
 
 impl Brdf for Merl {
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
         if !above_horizon(wi, wo) {
             return Vector3::zeros();

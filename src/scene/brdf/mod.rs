@@ -31,7 +31,9 @@ use nalgebra::{Unit, Vector3};
 
 pub use ashikhmin::AshikhminShirley;
 pub use directions::DirectionTable;
+pub(crate) use kernel::{Cosine, Eval, Kernel, narrow};
 pub use ggx::CookTorrance;
+pub(crate) use ggx::Reflectance;
 pub use lambert::Lambert;
 pub use merl::{Merl, MerlLookup};
 pub use phong::{BlinnPhong, Phong};
@@ -56,6 +58,17 @@ pub trait Brdf: Debug + Send + Sync {
     /// Back ends then integrate one channel instead of three. A black BRDF has the colour (1, 1, 1) and s = 0.
     fn colour(&self) -> Option<Vector3<f64>> {
         None
+    }
+
+    /// What the BRDF is made of, for back ends that treat its parts apart. The default says nothing.
+    fn structure(&self) -> Structure<'_> {
+        Structure::Opaque
+    }
+
+    /// Whether f stays as it is when both directions are turned about the normal and when they are mirrored in a plane through
+    /// it. `false` where unknown.
+    fn is_isotropic(&self) -> bool {
+        false
     }
 
     /// Whether f does not depend on `wo` while `wo` is above the horizon.
@@ -89,6 +102,26 @@ pub trait Brdf: Debug + Send + Sync {
         out.fill(0.0);
         self.add_cos(frame, wo, directions, 1.0, out);
     }
+}
+
+/// What a [`Brdf`] is made of.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum Structure<'a> {
+    /// Nothing is known but its values.
+    Opaque,
+    /// [`Lambert`].
+    Lambert(&'a Lambert),
+    /// [`Phong`].
+    Phong(&'a Phong),
+    /// [`BlinnPhong`].
+    BlinnPhong(&'a BlinnPhong),
+    /// [`Ward`].
+    Ward(&'a Ward),
+    /// [`CookTorrance`].
+    CookTorrance(&'a CookTorrance),
+    /// Weights and terms of a sum.
+    Sum(&'a [(f64, std::sync::Arc<dyn Brdf>)]),
 }
 
 /// The number of planes in `out`: 3, or 1 if that is allowed.
@@ -128,7 +161,7 @@ fn half_vector(wi: &Vector3<f64>, wo: &Vector3<f64>) -> (Vector3<f64>, f64) {
 /// A shading frame made orthonormal in `f64`: the axes' rounding to `f32` would cost a lobe of exponent n a relative
 /// n · 1e-7, in the ground truth too.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Axes {
+pub(crate) struct Axes {
     tangent: Vector3<f64>,
     bitangent: Vector3<f64>,
     normal: Vector3<f64>,
@@ -136,7 +169,7 @@ pub(super) struct Axes {
 
 impl Axes {
     /// The normal is kept, the tangent made perpendicular to it; a frame that is degenerate gives some frame.
-    pub(super) fn new(frame: &Frame) -> Self {
+    pub(crate) fn new(frame: &Frame) -> Self {
         let normal = frame.normal.cast::<f64>().try_normalize(1e-30).unwrap_or_else(Vector3::z);
         let flat = |t: Vector3<f64>| (t - normal * normal.dot(&t)).try_normalize(1e-3);
         let tangent = flat(frame.tangent.cast())
@@ -149,17 +182,17 @@ impl Axes {
         Self { tangent, bitangent, normal }
     }
 
-    pub(super) fn normal(&self) -> &Vector3<f64> {
+    pub(crate) fn normal(&self) -> &Vector3<f64> {
         &self.normal
     }
 
     #[inline(always)]
-    pub(super) fn to_local(self, world: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn to_local(self, world: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(self.tangent.dot(world), self.bitangent.dot(world), self.normal.dot(world))
     }
 
     #[inline(always)]
-    pub(super) fn to_world(self, local: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn to_world(self, local: &Vector3<f64>) -> Vector3<f64> {
         self.tangent * local.x + self.bitangent * local.y + self.normal * local.z
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
 use super::{
-    Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -46,6 +46,23 @@ impl Phong {
     fn constant(&self) -> f64 {
         (self.exponent + 2.0) / TAU
     }
+
+    /// The albedo.
+    pub fn albedo(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    /// The factor of the [`kernel`](Self::kernel).
+    pub(crate) fn factor(&self) -> Vector3<f64> {
+        self.albedo * self.constant()
+    }
+
+    /// None if the viewer is below the horizon.
+    pub(crate) fn kernel(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<MirrorLobe> {
+        let local = axes.to_local(wo);
+        let mirror = axes.to_world(&Vector3::new(-local.x, -local.y, local.z));
+        (local.z > 0.0).then(|| MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 })
+    }
 }
 
 impl Brdf for Phong {
@@ -64,27 +81,32 @@ impl Brdf for Phong {
         Some(split_colour(&self.albedo).0)
     }
 
+    fn structure(&self) -> Structure<'_> {
+        Structure::Phong(self)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let local = axes.to_local(wo);
-        if local.z <= 0.0 {
-            return;
-        }
-        let mirror = axes.to_world(&Vector3::new(-local.x, -local.y, local.z));
-        let kernel = MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 };
+        let Some(kernel) = self.kernel(&axes, wo) else { return };
         kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 
 /// max(r·d, 0)^n z with 1 − r·d = |d − r|²/2, which keeps its relative precision in a narrow lobe.
 #[derive(Clone, Copy)]
-struct MirrorLobe {
-    mirror: [f32; 3],
+pub(crate) struct MirrorLobe {
+    pub(crate) mirror: [f32; 3],
     exponent: f32,
 }
 
 impl Kernel<1> for MirrorLobe {
+    const SMOOTH: bool = true;
+
     #[inline(always)]
     fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
         let e = [d[0] - self.mirror[0], d[1] - self.mirror[1], d[2] - self.mirror[2]];
@@ -130,6 +152,22 @@ impl BlinnPhong {
         let n = self.exponent;
         (n + 2.0) * (n + 4.0) / (8.0 * PI * (n + (-0.5 * n).exp2()))
     }
+
+    /// The albedo.
+    pub fn albedo(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    /// The factor of the [`kernel`](Self::kernel).
+    pub(crate) fn factor(&self) -> Vector3<f64> {
+        self.albedo * self.constant()
+    }
+
+    /// None if the viewer is below the horizon.
+    pub(crate) fn kernel(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<HalfLobe> {
+        let half_exponent = (-0.5 * self.exponent) as f32;
+        Local::new(axes, wo).map(|local| HalfLobe { local, half_exponent })
+    }
 }
 
 impl Brdf for BlinnPhong {
@@ -144,18 +182,25 @@ impl Brdf for BlinnPhong {
         Some(split_colour(&self.albedo).0)
     }
 
+    fn structure(&self) -> Structure<'_> {
+        Structure::BlinnPhong(self)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        true
+    }
+
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let Some(local) = Local::new(&axes, wo) else { return };
-        let kernel = HalfLobe { local, half_exponent: (-0.5 * self.exponent) as f32 };
+        let Some(kernel) = self.kernel(&axes, wo) else { return };
         kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 
 /// (h·n)^n z = (1 + tan² θ_h)^(−n/2) z: the tangent keeps its relative precision in a narrow lobe.
 #[derive(Clone, Copy)]
-struct HalfLobe {
+pub(crate) struct HalfLobe {
     local: Local,
     half_exponent: f32,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::{Brdf, DirectionTable, plane_count};
+use super::{Brdf, DirectionTable, Structure, plane_count};
 use crate::scene::Frame;
 use crate::{Error, Result};
 
@@ -42,6 +42,14 @@ impl Brdf for Sum {
     fn colour(&self) -> Option<Vector3<f64>> {
         let first = self.terms[0].1.colour()?;
         self.terms[1..].iter().all(|(_, brdf)| brdf.colour() == Some(first)).then_some(first)
+    }
+
+    fn structure(&self) -> Structure<'_> {
+        Structure::Sum(&self.terms)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.terms.iter().all(|(_, brdf)| brdf.is_isotropic())
     }
 
     fn is_view_independent(&self) -> bool {

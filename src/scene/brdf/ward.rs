@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2};
-use super::{Axes, Brdf, DirectionTable, above_horizon, check_albedo, check_roughness, plane_count, split_colour};
+use super::{Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, plane_count, split_colour};
 use crate::Result;
 use crate::scene::Frame;
 
@@ -51,6 +51,27 @@ impl Ward {
     fn constant(&self) -> f64 {
         1.0 / (PI * self.alpha[0] * self.alpha[1])
     }
+
+    /// α along the tangent and the bitangent.
+    pub fn alpha(&self) -> [f64; 2] {
+        self.alpha
+    }
+
+    /// The albedo.
+    pub fn albedo(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    /// The factor of the [`kernel`](Self::kernel).
+    pub(crate) fn factor(&self) -> Vector3<f64> {
+        self.albedo * self.constant()
+    }
+
+    /// None if the viewer is below the horizon.
+    pub(crate) fn kernel(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<Gauss> {
+        let inverse = self.alpha.map(|a| (std::f64::consts::LOG2_E.sqrt() / a) as f32);
+        Local::new(axes, wo).map(|local| Gauss { local, inverse })
+    }
 }
 
 impl Brdf for Ward {
@@ -73,19 +94,25 @@ impl Brdf for Ward {
         Some(split_colour(&self.albedo).0)
     }
 
+    fn structure(&self) -> Structure<'_> {
+        Structure::Ward(self)
+    }
+
+    fn is_isotropic(&self) -> bool {
+        self.alpha[0] == self.alpha[1]
+    }
+
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
-        let Some(local) = Local::new(&axes, wo) else { return };
-        let inverse = self.alpha.map(|a| (std::f64::consts::LOG2_E.sqrt() / a) as f32);
-        let kernel = Gauss { local, inverse };
+        let Some(kernel) = self.kernel(&axes, wo) else { return };
         kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
     }
 }
 
 /// exp(−(h_x²/α_x² + h_y²/α_y²)/h_z²) |h|²/h_z⁴ z, with √log₂e folded into 1/α.
 #[derive(Clone, Copy)]
-struct Gauss {
+pub(crate) struct Gauss {
     local: Local,
     inverse: [f32; 2],
 }

@@ -1,0 +1,142 @@
+//! Visibility of one vertex, block after block, as coded maps.
+
+use std::ops::Range;
+
+use nalgebra::Vector3;
+
+use super::layout::BlockLayout;
+use crate::compress::{BinaryMaps, GrayMaps, MapIndex};
+use crate::scene::BinaryVisibility;
+use crate::{Error, Result};
+
+/// What coded maps of both kinds do.
+pub(super) trait Coded: Sized + Send + Sync {
+    /// No maps, of `len` pixels and levels up to `top`.
+    fn empty(len: usize, top: u8) -> Result<Self>;
+    /// Reads [`section`](Self::section).
+    fn parse(bytes: &[u8]) -> Result<Self>;
+    /// A range of maps in the file form.
+    fn section(&self, range: Range<usize>) -> Vec<u8>;
+    /// Pixels of a map, top level, number of maps.
+    fn shape(&self) -> (usize, u8, usize);
+    /// Appends maps of the same shape.
+    fn join(&mut self, other: &Self) -> Result<()>;
+}
+
+macro_rules! coded {
+    ($maps:ident, $empty:expr, $top:expr) => {
+        impl<I: MapIndex> Coded for $maps<I> {
+            fn empty(len: usize, top: u8) -> Result<Self> {
+                let empty: fn(usize, u8) -> Result<Self> = $empty;
+                empty(len, top)
+            }
+            fn parse(bytes: &[u8]) -> Result<Self> {
+                Self::from_bytes(bytes)
+            }
+            fn section(&self, range: Range<usize>) -> Vec<u8> {
+                self.slice(range).to_bytes()
+            }
+            fn shape(&self) -> (usize, u8, usize) {
+                let top: fn(&Self) -> u8 = $top;
+                (self.map_len(), top(self), self.len())
+            }
+            fn join(&mut self, other: &Self) -> Result<()> {
+                let changes = self.total_changes() + other.total_changes();
+                if changes > u32::MAX as usize {
+                    let what = "changes of all visibility maps";
+                    return Err(Error::OutOfRange { what, got: changes as f64, allowed: "below 2^32" });
+                }
+                self.append(other);
+                Ok(())
+            }
+        }
+    };
+}
+coded!(BinaryMaps, |len, _| Self::new(len), |_| 1);
+coded!(GrayMaps, Self::new, |maps| maps.top());
+
+/// Cuts packed faces into blocks along their paths.
+#[derive(Debug, Clone)]
+pub(super) struct BitCutter {
+    layout: BlockLayout,
+    rows: Vec<u64>,
+    path: Vec<u64>,
+}
+
+impl BitCutter {
+    pub(super) fn new(layout: &BlockLayout) -> Self {
+        let words = layout.block_len() / 64;
+        Self { layout: layout.clone(), rows: vec![0; words], path: vec![0; words] }
+    }
+
+    /// Appends the blocks of a vertex; `words` as [`BinaryVisibility::vertex`] has them.
+    pub(super) fn code<I: MapIndex>(&mut self, words: &[u64], maps: &mut BinaryMaps<I>) {
+        let (side, along) = (self.layout.side(), self.layout.grid().side() / self.layout.side());
+        let mask = u64::MAX >> (64 - side);
+        for face in words.chunks_exact(BinaryVisibility::words_per_face(self.layout.grid())) {
+            for block in 0..along * along {
+                self.rows.fill(0);
+                for y in 0..side {
+                    // Block sides divide 64 and the grid's side, so that a row of a block lies in one word.
+                    let from = (block / along * side + y) * along * side + block % along * side;
+                    let to = y * side;
+                    self.rows[to / 64] |= (face[from / 64] >> (from % 64) & mask) << (to % 64);
+                }
+                if self.rows.iter().all(|&w| w == 0) || self.rows.iter().all(|&w| w == u64::MAX) {
+                    maps.push_bits(&self.rows);
+                } else {
+                    self.layout.scan().apply_bits(&self.rows, &mut self.path);
+                    maps.push_bits(&self.path);
+                }
+            }
+        }
+    }
+}
+
+/// Quantises shares of visible samples and cuts them into blocks.
+#[derive(Debug, Clone)]
+pub(super) struct GrayCutter {
+    layout: BlockLayout,
+    directions: Vec<Vector3<f64>>,
+    /// Level of each count.
+    levels: Vec<u8>,
+    block: Vec<u8>,
+}
+
+impl GrayCutter {
+    /// For counts of up to `samples`².
+    pub(super) fn new(layout: &BlockLayout, samples: usize, top: u8) -> Self {
+        let most = samples * samples;
+        let level = |count: usize| (count as f64 * f64::from(top) / most as f64).round() as u8;
+        Self {
+            directions: layout.grid().directions().into_iter().map(|d| d.into_inner()).collect(),
+            levels: (0..=most).map(level).collect(),
+            block: vec![0; layout.block_len()],
+            layout: layout.clone(),
+        }
+    }
+
+    /// Appends the blocks of a vertex. A texel whose centre is below the horizon reflects nothing and counts as hidden.
+    pub(super) fn code<I: MapIndex>(&mut self, counts: &[u8], normal: &Vector3<f32>, maps: &mut GrayMaps<I>) {
+        let normal = normal.cast::<f64>();
+        for block in 0..self.layout.blocks() {
+            for (level, &texel) in self.block.iter_mut().zip(self.layout.texels(block)) {
+                let count = counts[texel as usize];
+                let above = count != 0 && normal.dot(&self.directions[texel as usize]) > 0.0;
+                *level = if above { self.levels[usize::from(count)] } else { 0 };
+            }
+            maps.push_levels(&self.block);
+        }
+    }
+}
+
+/// Adds up the bits of a finer face: counts of the `samples`² rays of each texel of a face of `side`².
+pub(super) fn count_samples(words: &[u64], side: usize, samples: usize, counts: &mut [u8]) {
+    let fine = side * samples;
+    for (y, row) in counts.chunks_exact_mut(side).enumerate() {
+        for (x, count) in row.iter_mut().enumerate() {
+            let bit = |at: usize| (words[at / 64] >> (at % 64) & 1) as u8;
+            *count = (0..samples).flat_map(|v| (0..samples).map(move |u| (y * samples + v) * fine + x * samples + u)).map(bit).sum();
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Where the texels of a cube map lie in blocks, and blocks in the database.
+
+use nalgebra::Vector3;
+
+use crate::compress::{Scan, ScanOrder};
+use crate::sphere::{CubeGrid, Face};
+use crate::{Error, Result};
+
+/// A cube map cut into square blocks, the pixels of each taken along a path.
+///
+/// Block (by · blocks + bx) of face f has the number f · blocks² + by · blocks + bx, where `blocks` = side / block side; the
+/// *place* of a pixel in its block is its position along the path. 64² × 6 texels in blocks of 16² are 96 blocks.
+///
+/// # Example
+/// ```
+/// use haarmonic::{backend::block_product::BlockLayout, compress::ScanOrder, sphere::CubeGrid};
+/// let layout = BlockLayout::new(CubeGrid::new(64)?, 16, ScanOrder::Serpentine)?;
+/// assert_eq!((layout.blocks(), layout.block_len()), (96, 256));
+/// assert_eq!(layout.texels(0)[16], 64 + 15); // the second row runs backwards
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BlockLayout {
+    grid: CubeGrid,
+    side: usize,
+    scan: Scan,
+    /// [block][place]
+    texels: Vec<u32>,
+}
+
+impl BlockLayout {
+    /// Cuts `grid` into blocks of `side`².
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless `side` is 8, 16 or 32 and divides the side of the grid.
+    pub fn new(grid: CubeGrid, side: usize, order: ScanOrder) -> Result<Self> {
+        if ![8, 16, 32].contains(&side) {
+            return Err(Error::OutOfRange { what: "side of a block", got: side as f64, allowed: "8, 16 or 32" });
+        }
+        if grid.side() % side != 0 {
+            let got = grid.side() as f64;
+            return Err(Error::OutOfRange { what: "side of the cube map", got, allowed: "a multiple of the block's" });
+        }
+        let scan = Scan::new(order, side, side)?;
+        let along = grid.side() / side;
+        let mut texels = Vec::with_capacity(grid.len());
+        for block in 0..6 * along * along {
+            let (face, by, bx) = (block / (along * along), block / along % along, block % along);
+            for &pixel in scan.pixels() {
+                let (y, x) = (pixel as usize / side, pixel as usize % side);
+                texels.push(grid.index(Face::ALL[face], bx * side + x, by * side + y) as u32);
+            }
+        }
+        Ok(Self { grid, side, scan, texels })
+    }
+
+    /// The grid of the cube map.
+    #[inline]
+    pub fn grid(&self) -> CubeGrid {
+        self.grid
+    }
+
+    /// Pixels along an edge of a block.
+    #[inline]
+    pub fn side(&self) -> usize {
+        self.side
+    }
+
+    /// Pixels of a block.
+    #[inline]
+    pub fn block_len(&self) -> usize {
+        self.side * self.side
+    }
+
+    /// Blocks of the cube map.
+    #[inline]
+    pub fn blocks(&self) -> usize {
+        self.texels.len() / self.block_len()
+    }
+
+    /// The path through a block.
+    #[inline]
+    pub fn scan(&self) -> &Scan {
+        &self.scan
+    }
+
+    /// The flat texel of each place of a block.
+    ///
+    /// # Panics
+    /// If `block` is out of range.
+    #[inline]
+    pub fn texels(&self, block: usize) -> &[u32] {
+        &self.texels[block * self.block_len()..][..self.block_len()]
+    }
+
+    /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole numbers.
+    ///
+    /// # Panics
+    /// If `block` is out of range.
+    pub fn direction(&self, block: usize, x: f64, y: f64) -> Vector3<f64> {
+        let along = self.grid.side() / self.side;
+        let (face, by, bx) = (block / (along * along), block / along % along, block % along);
+        let on_face = |block: usize, at: f64| ((block * self.side) as f64 + at + 0.5) * 2.0 / self.grid.side() as f64 - 1.0;
+        Face::ALL[face].point(on_face(bx, x), on_face(by, y)).normalize()
+    }
+
+    /// The direction of a block's centre.
+    ///
+    /// # Panics
+    /// If `block` is out of range.
+    pub fn centre(&self, block: usize) -> Vector3<f64> {
+        let middle = 0.5 * self.side as f64 - 0.5;
+        self.direction(block, middle, middle)
+    }
+
+    /// The largest angle between a block's centre and a point of it, in radians.
+    ///
+    /// # Panics
+    /// If `block` is out of range.
+    pub fn radius(&self, block: usize) -> f64 {
+        let (first, last) = (-0.5, self.side as f64 - 0.5);
+        let centre = self.centre(block);
+        let corners = [[first, first], [first, last], [last, first], [last, last]];
+        corners.map(|[x, y]| centre.angle(&self.direction(block, x, y))).into_iter().fold(0.0, f64::max)
+    }
+
+    /// One block of every shape that there is up to the symmetries of the cube.
+    pub(super) fn shapes(&self) -> Vec<usize> {
+        let along = self.grid.side() / self.side;
+        let half = along.div_ceil(2);
+        (0..half).flat_map(|by| (by..half).map(move |bx| by * along + bx)).collect()
+    }
+}

@@ -1,0 +1,46 @@
+//! Locally adaptive products: all-frequency relighting with light, view and materials that change in every frame
+//! [Inger, Farbman & Lischinski 2013].
+//!
+//! The cube map around each vertex is cut into blocks of, say, 16² texels. Over most of them one of the three factors of
+//! light × visibility × reflectance is constant, and the triple product is no more than a dot product:
+//!
+//! | visibility of the block | reflectance needs | what is summed | samples |
+//! |---|---|---|---|
+//! | hidden | anything | nothing | 0 |
+//! | free | 1, 4 or 16 samples | samples × weights that hold the light | 1, 4, 16 |
+//! | partly hidden | 1 or 4 samples | samples × weights from suffix sums of the light, a look-up where visibility changes | 1, 4 |
+//! | any | more | pixel by pixel, run by run | all |
+//! | any | a cosine (Lambert) | n · Σ L V ω from suffix sums: exact | 0 |
+//!
+//! | type | life |
+//! |---|---|
+//! | [`BlockLayout`] | how a cube map is cut |
+//! | [`Transport`] | visibility of a static scene, baked once, saved and loaded |
+//! | [`LightForms`] | a light in the forms that the products read, a few hundred microseconds a frame |
+//! | [`Relighter`] | frames |
+//! | [`Rule`], [`Basis`] | how many samples, and what lies between them |
+
+mod bounds;
+mod coding;
+mod culling;
+mod file;
+mod interpolation;
+mod layout;
+mod light;
+mod lobes;
+mod products;
+mod relighter;
+mod rule;
+mod samples;
+mod stats;
+mod tables;
+mod transport;
+mod visible;
+
+pub use interpolation::Basis;
+pub use layout::BlockLayout;
+pub use light::LightForms;
+pub use relighter::{Relighter, Settings};
+pub use rule::Rule;
+pub use stats::FrameStats;
+pub use transport::{Transport, TransportStats};

@@ -1,0 +1,447 @@
+//! Frames.
+
+use nalgebra::Vector3;
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+use super::bounds::{Gauge, MIRROR_CELLS, threshold};
+use super::interpolation::Basis;
+use super::light::{LightForms, Record};
+use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
+use super::products::{LobeSum, Moments};
+use super::rule::{PIXELS, Rule, fixed};
+use super::samples::Samples;
+use super::stats::FrameStats;
+use super::tables::Directions;
+use super::transport::{Transport, with_maps};
+use super::visible::Visible;
+use crate::compress::MapState;
+use crate::error::check_length;
+use crate::scene::{Axes, Camera, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
+use crate::sphere::CubeMap;
+use crate::{Error, Result};
+
+/// How a [`Relighter`] integrates.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Settings {
+    /// What chooses the number of samples of a block.
+    pub rule: Rule,
+    /// What lies between samples.
+    pub basis: Basis,
+}
+
+/// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
+///
+///   radiance(v) = Σ_blocks Σ_places L V ρ cos,
+///
+/// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with weights from
+/// suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.
+///
+/// Frames do not allocate once the materials are known. The result does not depend on the number of threads.
+#[derive(Debug, Clone)]
+pub struct Relighter<'a> {
+    mesh: &'a Mesh,
+    transport: &'a Transport,
+    settings: Settings,
+    light: LightForms,
+    directions: Directions,
+    planner: Planner,
+    /// [block]
+    thresholds: Vec<f32>,
+    radius: f64,
+    scratch: Vec<Scratch>,
+    needed: Vec<bool>,
+    arch: pulp::Arch,
+}
+
+/// Work space of a piece of the vertices.
+#[derive(Debug, Clone)]
+struct Scratch {
+    samples: Samples,
+    live: Vec<u16>,
+    classes: Vec<u8>,
+    cells: Vec<u8>,
+}
+
+/// Vertices whose cosine sums are taken together.
+const GROUP: usize = 32;
+
+impl<'a> Relighter<'a> {
+    /// A relighter without light.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance that is
+    /// negative or not finite.
+    pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings) -> Result<Self> {
+        let expected = mesh.positions().len();
+        if transport.vertices() != expected {
+            return Err(Error::Length { what: "visibility maps", expected, got: transport.vertices() });
+        }
+        if let Rule::Bounded { tolerance } = settings.rule {
+            Rule::bounded(tolerance)?;
+        }
+        let layout = transport.layout();
+        let light = LightForms::new(layout, settings.basis)?;
+        let gauge = Gauge::new(layout, light.interpolation());
+        let radius = gauge.radius();
+        let scratch = Scratch {
+            samples: Samples::new(),
+            live: Vec::with_capacity(layout.blocks()),
+            classes: vec![0; layout.blocks()],
+            cells: vec![0; layout.blocks()],
+        };
+        Ok(Self {
+            mesh,
+            transport,
+            settings,
+            directions: Directions::new(layout, light.interpolation()),
+            planner: Planner::new(gauge, settings.rule),
+            thresholds: vec![0.0; layout.blocks()],
+            radius,
+            scratch: vec![scratch; pieces()],
+            needed: Vec::new(),
+            arch: pulp::Arch::new(),
+            light,
+        })
+    }
+
+    /// Sets the light: radiance on the transport's grid. A light that is refused leaves the one before.
+    ///
+    /// # Errors
+    /// As [`LightForms::set`].
+    pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
+        self.light.set(light)?;
+        if let Rule::Bounded { tolerance } = self.settings.rule {
+            let allowed = tolerance * self.light.mean / (self.thresholds.len() as f64 / 2.0).sqrt();
+            for (limit, &norm) in self.thresholds.iter_mut().zip(&self.light.norms) {
+                // In a block without light anything goes.
+                *limit = if norm > 0.0 { threshold(allowed / norm) } else { f32::INFINITY };
+            }
+        }
+        Ok(())
+    }
+
+    /// The light's forms.
+    pub fn light(&self) -> &LightForms {
+        &self.light
+    }
+
+    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black.
+    ///
+    /// Materials that were not in the last frame cost their tables of errors first: some milliseconds for each new exponent, some
+    /// tens for each new isotropic lobe about the half vector, up to half a second for an anisotropic one.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the materials do not fit the mesh.
+    ///
+    /// # Panics
+    /// Unless `out` has one value a vertex.
+    pub fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
+        self.needed.clear();
+        self.frame(view, materials, out)
+    }
+
+    /// As [`relight`](Self::relight), but only for the vertices of faces that turn their front to the camera and may be in a picture of
+    /// the given aspect ratio (width/height). The others are black.
+    ///
+    /// # Errors
+    /// As [`relight`](Self::relight), and [`Error::OutOfRange`] unless `aspect` is positive and finite.
+    ///
+    /// # Panics
+    /// Unless `out` has one value a vertex.
+    pub fn relight_in_picture(
+        &mut self,
+        camera: &Camera,
+        aspect: f64,
+        materials: &Materials,
+        out: &mut [Vector3<f32>],
+    ) -> Result<()> {
+        if !(aspect > 0.0 && aspect.is_finite()) {
+            return Err(Error::OutOfRange { what: "aspect ratio", got: aspect, allowed: "positive and finite" });
+        }
+        super::culling::mark(self.mesh, camera, aspect, &mut self.needed);
+        self.frame(&View::eye(camera.eye().cast())?, materials, out)
+    }
+
+    fn frame(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
+        check_length("radiance of the vertices", self.mesh.positions().len(), out.len());
+        materials.check(out.len())?;
+        if self.light.is_dark() {
+            out.fill(Vector3::zeros());
+            return Ok(());
+        }
+        self.planner.set(materials.brdfs())?;
+        let mut scratch = std::mem::take(&mut self.scratch);
+        let frame = Frame { relighter: self, view, materials };
+        with_maps!(self.transport.maps(), maps => frame.run(maps, &mut scratch, out));
+        self.scratch = scratch;
+        Ok(())
+    }
+
+    /// How the blocks of such a frame are integrated.
+    ///
+    /// # Errors
+    /// [`Error::Length`] if the materials do not fit the mesh.
+    pub fn frame_stats(&mut self, view: &View, materials: &Materials) -> Result<FrameStats> {
+        materials.check(self.mesh.positions().len())?;
+        self.planner.set(materials.brdfs())?;
+        let mut scratch = self.scratch.first().cloned().expect("there is a piece");
+        let frame = Frame { relighter: self, view, materials };
+        Ok(with_maps!(self.transport.maps(), maps => frame.count(maps, &mut scratch)))
+    }
+}
+
+/// What a frame reads.
+#[derive(Clone, Copy)]
+struct Frame<'f, 'a> {
+    relighter: &'f Relighter<'a>,
+    view: &'f View,
+    materials: &'f Materials,
+}
+
+/// A vertex as its lobes see it.
+struct Seen {
+    axes: Axes,
+    wo: Vector3<f64>,
+    normal: [f32; 3],
+}
+
+impl Frame<'_, '_> {
+    fn run<V: Visible>(self, maps: &V, scratch: &mut [Scratch], out: &mut [Vector3<f32>]) {
+        let piece = out.len().div_ceil(scratch.len()).max(1);
+        let run = |(index, (out, scratch)): (usize, (&mut [Vector3<f32>], &mut Scratch))| {
+            for (group, out) in out.chunks_mut(GROUP).enumerate() {
+                self.group(maps, index * piece + group * GROUP, scratch, out);
+            }
+        };
+        #[cfg(feature = "rayon")]
+        out.par_chunks_mut(piece).zip(scratch).enumerate().for_each(run);
+        #[cfg(not(feature = "rayon"))]
+        out.chunks_mut(piece).zip(scratch).enumerate().for_each(run);
+    }
+
+    fn is_needed(self, vertex: usize) -> bool {
+        self.relighter.needed.get(vertex).copied().unwrap_or(true)
+    }
+
+    fn plan(&self, vertex: usize) -> &Plan {
+        &self.relighter.planner.plans()[self.materials.part(vertex)]
+    }
+
+    /// The radiance of a few vertices in a row.
+    fn group<V: Visible>(self, maps: &V, first: usize, scratch: &mut Scratch, out: &mut [Vector3<f32>]) {
+        let mut moments = [[0.0; 12]; GROUP];
+        // Neighbours mostly share a material, so that all or none of a group is needed.
+        if (first..first + out.len()).any(|v| self.is_needed(v) && self.plan(v).diffuse != Vector3::zeros()) {
+            let sums: &mut [Record] = &mut moments[..out.len()];
+            self.relighter.arch.dispatch(Moments { maps, light: &self.relighter.light, first, sums });
+        }
+        for (i, (radiance, moments)) in out.iter_mut().zip(&moments).enumerate() {
+            *radiance = match self.seen(first + i) {
+                Some(seen) => self.vertex(maps, first + i, &seen, moments, scratch).cast(),
+                None => Vector3::zeros(),
+            };
+        }
+    }
+
+    /// None for a vertex that is not needed or whose viewer is below the horizon.
+    fn seen(self, vertex: usize) -> Option<Seen> {
+        if !self.is_needed(vertex) {
+            return None;
+        }
+        let (mesh, frame) = (self.relighter.mesh, self.relighter.mesh.frame(vertex));
+        let axes = Axes::new(&frame);
+        let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
+        let normal = narrow(axes.normal());
+        (axes.normal().dot(&wo) > 0.0).then_some(Seen { axes, wo, normal })
+    }
+
+    fn vertex<V: Visible>(
+        self,
+        maps: &V,
+        vertex: usize,
+        seen: &Seen,
+        moments: &Record,
+        scratch: &mut Scratch,
+    ) -> Vector3<f64> {
+        let plan = self.plan(vertex);
+        let n = seen.axes.normal();
+        let mut sum = Vector3::from([0, 4, 8].map(|k| (0..3).map(|axis| f64::from(moments[k + axis]) * n[axis]).sum::<f64>()));
+        sum.component_mul_assign(&plan.diffuse);
+        if !plan.lobes.is_empty() {
+            self.find_live(maps, vertex, scratch);
+        }
+        for lobe in &plan.lobes {
+            self.classify(lobe, seen, scratch);
+            sum += self.lobe(maps, vertex, lobe, seen, scratch).component_mul(&lobe.factor);
+        }
+        sum
+    }
+
+    fn find_live<V: Visible>(self, maps: &V, vertex: usize, scratch: &mut Scratch) {
+        let blocks = self.relighter.thresholds.len();
+        scratch.live.clear();
+        let live = (0..blocks).filter(|block| maps.state(vertex * blocks + block) != MapState::AllZero);
+        scratch.live.extend(live.map(|block| block as u16));
+    }
+
+    /// The number of samples of each live block.
+    fn classify(self, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) {
+        let Relighter { directions, thresholds, arch, .. } = self.relighter;
+        let mirror = || {
+            let local = seen.axes.to_local(&seen.wo);
+            narrow(&seen.axes.to_world(&Vector3::new(-local.x, -local.y, local.z)))
+        };
+        match &lobe.sampling {
+            Sampling::Pixels => scratch.classes.fill(PIXELS),
+            Sampling::Fixed(exponent) => {
+                let (mirror, classes) = (mirror(), fixed(*exponent));
+                let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
+                let limits = &directions.limits[usize::from(sound)];
+                for &block in &scratch.live {
+                    let block = usize::from(block);
+                    let cosine = dot(mirror, at(&directions.centres, block));
+                    let [near, middle] = limits[block];
+                    scratch.classes[block] = classes[if cosine > near { 0 } else if cosine > middle { 1 } else { 2 }];
+                }
+            }
+            Sampling::Mirror { bounds, offset } => {
+                arch.dispatch(MirrorCells { mirror: mirror(), centres: &directions.centres, cells: &mut scratch.cells });
+                for &block in &scratch.live {
+                    let block = usize::from(block);
+                    let codes = bounds.cells()[usize::from(scratch.cells[block])];
+                    scratch.classes[block] = class(codes, thresholds[block] - offset);
+                }
+            }
+            Sampling::Wide { bounds, offset } => {
+                let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
+                for &block in &scratch.live {
+                    let block = usize::from(block);
+                    let centre = Vector3::from(at(&directions.centres, block)).cast();
+                    let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
+                    scratch.classes[block] = class(codes, thresholds[block] - offset);
+                }
+            }
+        }
+    }
+
+    fn lobe<V: Visible>(self, maps: &V, vertex: usize, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) -> Vector3<f64> {
+        let (axes, wo) = (&seen.axes, &seen.wo);
+        let sum = match &lobe.model {
+            Model::Lambert => Some(self.lobe_sum::<1, _, _>(Cosine, maps, vertex, seen, scratch)),
+            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
+            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
+            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
+            Model::CookTorrance(ggx) => ggx.facets(axes, wo).map(|facets| match facets {
+                Reflectance::Grey(k) => self.lobe_sum(k, maps, vertex, seen, scratch),
+                Reflectance::Coloured(k) => self.lobe_sum(k, maps, vertex, seen, scratch),
+            }),
+            Model::Other(brdf) => {
+                let kernel = Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) };
+                Some(self.lobe_sum(kernel, maps, vertex, seen, scratch))
+            }
+        };
+        Vector3::from(sum.unwrap_or_default())
+    }
+
+    fn lobe_sum<const N: usize, K: Kernel<N>, V: Visible>(
+        self,
+        kernel: K,
+        maps: &V,
+        vertex: usize,
+        seen: &Seen,
+        scratch: &mut Scratch,
+    ) -> [f64; 3] {
+        let Scratch { samples, live, classes, .. } = scratch;
+        let Relighter { light, directions, arch, .. } = self.relighter;
+        let (normal, first) = (seen.normal, vertex * light.layout().blocks());
+        arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples })
+    }
+
+    fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
+        let mut stats = FrameStats::default();
+        let blocks = self.relighter.thresholds.len();
+        let mut most = vec![0_u8; blocks];
+        for vertex in 0..self.relighter.mesh.positions().len() {
+            let Some(seen) = self.seen(vertex) else { continue };
+            let plan = self.plan(vertex);
+            self.find_live(maps, vertex, scratch);
+            most.fill(u8::from(plan.diffuse != Vector3::zeros()));
+            for lobe in &plan.lobes {
+                self.classify(lobe, &seen, scratch);
+                for &block in &scratch.live {
+                    let block = usize::from(block);
+                    most[block] = most[block].max(scratch.classes[block]);
+                }
+            }
+            let states = (0..blocks).map(|block| maps.state(vertex * blocks + block));
+            stats = states.zip(&most).fold(stats, |stats, (state, &class)| stats.add(one_block(state, class)));
+            stats.vertices += 1;
+        }
+        stats
+    }
+}
+
+/// The counts of one block.
+fn one_block(state: MapState, class: u8) -> FrameStats {
+    let mut stats = FrameStats::default();
+    if state == MapState::AllZero || class == 0 {
+        stats.zero = 1;
+        return stats;
+    }
+    stats.samples[usize::from(class) - 1] = 1;
+    match (state, class) {
+        (_, PIXELS) => stats.pixels = 1,
+        (MapState::AllOne, _) => stats.coefficients = 1,
+        (_, 1 | 2) => stats.sums = 1,
+        // 16 coefficients behind a partly hidden block: pixel by pixel.
+        _ => (stats.pixels, stats.samples) = (1, [0, 0, 0, 1]),
+    }
+    stats
+}
+
+/// The fewest samples whose error is allowed.
+#[inline(always)]
+fn class(codes: [u8; 4], limit: f32) -> u8 {
+    // A cast to integer saturates; an error of 0 is always allowed.
+    let limit = limit.min(254.0) as u8;
+    codes.iter().map(|&code| u8::from(code > limit)).sum()
+}
+
+/// The cell of each block in a table over the angle to the mirror direction.
+struct MirrorCells<'a> {
+    mirror: [f32; 3],
+    centres: &'a [Vec<f32>; 3],
+    cells: &'a mut [u8],
+}
+
+impl pulp::WithSimd for MirrorCells<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let [x, y, z] = self.centres;
+        for (((&x, &y), &z), cell) in x.iter().zip(y).zip(z).zip(self.cells) {
+            let half_sine = (0.5 - 0.5 * dot(self.mirror, [x, y, z])).max(0.0).sqrt();
+            *cell = (half_sine * MIRROR_CELLS as f32).min(MIRROR_CELLS as f32 - 1.0) as i32 as u8;
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn at(planes: &[Vec<f32>; 3], i: usize) -> [f32; 3] {
+    [planes[0][i], planes[1][i], planes[2][i]]
+}
+
+/// Into how many pieces a frame is cut, each with scratch of its own. The result does not depend on it.
+fn pieces() -> usize {
+    #[cfg(feature = "rayon")]
+    return 4 * rayon::current_num_threads();
+    #[cfg(not(feature = "rayon"))]
+    return 1;
+}

@@ -1,0 +1,62 @@
+//! How many samples a block of reflectance gets.
+
+use crate::{Error, Result};
+
+/// What chooses between 0, 1, 4, 16 samples a block and one for every pixel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// The fewest whose error, as measured for the lobe and weighed with the block's light, is at most `tolerance` × the mean
+    /// radiance of the light, divided by the square root of half the number of blocks; cosines exactly.
+    ///
+    /// 0 takes every pixel of a lobe: the sum over all texels, to rounding. See [`Rule::bounded`].
+    Bounded {
+        /// Error of a vertex's radiance in units of the light's mean radiance, if the errors of blocks are independent.
+        tolerance: f64,
+    },
+    /// The fixed rule of appendix A [Inger 2013] by the angle between a block's centre and the mirror direction, whatever the light;
+    /// one sample for cosines.
+    ///
+    /// Lobes other than Phong's go by the Phong exponent of the same width.
+    Fixed {
+        /// Lessens the angle by the block's radius. As printed (`false`), a block just outside π/8 counts as smooth although it
+        /// may hold .87 of the peak of a lobe of exponent 100.
+        sound: bool,
+    },
+    /// Every block through its pixels (line 11 of algorithm 1): the baseline that the paper's speed-ups are against.
+    Pixels,
+}
+
+impl Rule {
+    /// [`Rule::Bounded`].
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless `tolerance` is finite and at least 0.
+    pub fn bounded(tolerance: f64) -> Result<Self> {
+        if tolerance >= 0.0 && tolerance.is_finite() {
+            return Ok(Self::Bounded { tolerance });
+        }
+        Err(Error::OutOfRange { what: "tolerance of a block product", got: tolerance, allowed: "finite and at least 0" })
+    }
+}
+
+impl Default for Rule {
+    /// Bounded by 0.05: about 50 dB (docs/block_product.md).
+    fn default() -> Self {
+        Self::Bounded { tolerance: 0.05 }
+    }
+}
+
+/// Samples of a block: none, 1, 4, 16 or all its pixels.
+pub(super) const PIXELS: u8 = 4;
+
+/// The classes within π/8 of the mirror direction, within π/4, and beyond [Inger 2013, appendix A]; exponents 30 and 250, of which
+/// the print says nothing, go to the finer side.
+pub(super) fn fixed(exponent: Option<f64>) -> [u8; 3] {
+    match exponent {
+        None => [1, 1, 1],
+        Some(s) if s < 30.0 => [2, 2, 1],
+        Some(s) if s < 250.0 => [3, 2, 1],
+        Some(_) => [PIXELS, 2, 1],
+    }
+}

@@ -1,0 +1,322 @@
+//! The database: visibility of every vertex in blocks, differentially coded.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+use super::coding::{BitCutter, Coded, GrayCutter, count_samples};
+use super::layout::BlockLayout;
+use crate::compress::{BinaryMaps, GrayMaps, RunStats};
+use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
+use crate::sphere::CubeGrid;
+use crate::{Error, Progress, Result};
+
+/// The visibility around every vertex of a static scene: for each block of the cube map the places where it changes
+/// [Inger 2013, §4.2]. Lossless for binary maps.
+///
+/// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two for
+/// blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its changes end.
+/// It knows neither light, nor view, nor materials.
+///
+/// # Example
+/// ```
+/// use haarmonic::backend::block_product::{BlockLayout, Transport};
+/// use haarmonic::compress::ScanOrder;
+/// use haarmonic::scene::{Procedural, VisibilityBaker, VisibilitySettings};
+/// use haarmonic::sphere::CubeGrid;
+/// let mesh = Procedural::StackedSpheres.build(1_000)?.mesh;
+/// let layout = BlockLayout::new(CubeGrid::new(16)?, 16, ScanOrder::Serpentine)?;
+/// let baker = VisibilityBaker::new(&mesh, layout.grid(), VisibilitySettings::default())?;
+/// let transport = Transport::bake(&baker, &layout, &())?;
+/// assert!(transport.stats().coded.bytes_in_memory < baker.bake(&())?.words().len() * 8);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Transport {
+    layout: BlockLayout,
+    maps: Maps,
+}
+
+/// Coded maps, [vertex][block].
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Maps {
+    Binary8(BinaryMaps<u8>),
+    Binary16(BinaryMaps<u16>),
+    Gray8(GrayMaps<u8>),
+    Gray16(GrayMaps<u16>),
+}
+
+/// Runs `$body` with `$maps` bound to whichever maps there are.
+macro_rules! with_maps {
+    ($enum:expr, $maps:ident => $body:expr) => {
+        match $enum {
+            $crate::backend::block_product::transport::Maps::Binary8($maps) => $body,
+            $crate::backend::block_product::transport::Maps::Binary16($maps) => $body,
+            $crate::backend::block_product::transport::Maps::Gray8($maps) => $body,
+            $crate::backend::block_product::transport::Maps::Gray16($maps) => $body,
+        }
+    };
+}
+pub(super) use with_maps;
+
+/// What a transport holds, as table 3 [Inger 2013] counts it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct TransportStats {
+    /// Vertices.
+    pub vertices: usize,
+    /// Blocks a vertex.
+    pub blocks: usize,
+    /// Counts and sizes of the coded maps; [`RunStats::mean_changes_of_mixed`] are the paper's coefficients a block.
+    pub coded: RunStats,
+}
+
+impl Transport {
+    /// Traces and codes binary visibility, vertex by vertex: the maps are never all there uncoded.
+    ///
+    /// `progress` counts vertices. The same bits for any number of threads.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, and beyond 2³² changes.
+    pub fn bake(baker: &VisibilityBaker, layout: &BlockLayout, progress: &impl Progress) -> Result<Self> {
+        check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
+        let scratch = || (BitCutter::new(layout), baker.scratch(), vec![0; baker.words_per_vertex()]);
+        binary(layout, baker.vertices(), progress, scratch, |vertex, (cutter, rays, words)| {
+            baker.bake_vertex_with_scratch(vertex, words, rays);
+            (cutter, words)
+        })
+    }
+
+    /// Traces `samples`² rays a texel, quantises the share that is free to `bits` and codes it: shadows without steps under
+    /// small bright lights.
+    ///
+    /// `mesh` is the baker's. `progress` counts vertices.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15 and
+    /// 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    pub fn bake_gray(
+        baker: &VisibilityBaker,
+        mesh: &Mesh,
+        layout: &BlockLayout,
+        (samples, bits): (usize, u32),
+        progress: &impl Progress,
+    ) -> Result<Self> {
+        check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
+        check_vertices(mesh, baker.vertices())?;
+        if !(1..=15).contains(&samples) {
+            let what = "visibility samples along a texel's edge";
+            return Err(Error::OutOfRange { what, got: samples as f64, allowed: "in 1…15" });
+        }
+        let side = layout.grid().side();
+        let fine = baker.with_grid(CubeGrid::new(side * samples)?);
+        let scratch = || (fine.scratch(), vec![0; fine.words_per_vertex()], vec![0; layout.grid().len()]);
+        gray(layout, mesh, (samples, bits), progress, scratch, |vertex, (rays, words, counts)| {
+            fine.bake_vertex_with_scratch(vertex, words, rays);
+            let faces = words.chunks_exact(words.len() / 6).zip(counts.chunks_exact_mut(side * side));
+            faces.for_each(|(words, counts)| count_samples(words, side, samples, counts));
+            counts
+        })
+    }
+
+    /// Codes binary visibility that is there.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes.
+    pub fn from_binary(visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
+        check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
+        let scratch = || (BitCutter::new(layout), Vec::new());
+        binary(layout, visibility.vertices(), &(), scratch, |vertex, (cutter, words)| {
+            words.clear();
+            words.extend_from_slice(visibility.vertex(vertex));
+            (cutter, words)
+        })
+    }
+
+    /// Codes fractional visibility that is there, quantised to `bits`; `mesh` has the normals.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if its grid is not the layout's, unless 2 ≤ `bits` ≤ 8, and beyond 2³² changes;
+    /// [`Error::Length`] for another mesh.
+    pub fn from_fractional(
+        visibility: &FractionalVisibility,
+        mesh: &Mesh,
+        bits: u32,
+        layout: &BlockLayout,
+    ) -> Result<Self> {
+        check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
+        check_vertices(mesh, visibility.vertices())?;
+        gray(layout, mesh, (visibility.samples(), bits), &(), Vec::new, |vertex, counts: &mut Vec<u8>| {
+            counts.clear();
+            counts.extend_from_slice(visibility.vertex(vertex));
+            counts
+        })
+    }
+
+    /// A transport of maps, [vertex][block].
+    pub(super) fn from_maps(layout: BlockLayout, maps: Maps) -> Self {
+        Self { layout, maps }
+    }
+
+    /// The layout.
+    pub fn layout(&self) -> &BlockLayout {
+        &self.layout
+    }
+
+    pub(super) fn maps(&self) -> &Maps {
+        &self.maps
+    }
+
+    /// How many vertices there are.
+    pub fn vertices(&self) -> usize {
+        with_maps!(&self.maps, maps => maps.len()) / self.layout.blocks()
+    }
+
+    /// The top level: 1 for binary maps.
+    pub fn top(&self) -> u8 {
+        match &self.maps {
+            Maps::Binary8(_) | Maps::Binary16(_) => 1,
+            Maps::Gray8(maps) => maps.top(),
+            Maps::Gray16(maps) => maps.top(),
+        }
+    }
+
+    /// Visibility of each texel of a vertex, in the order of the grid.
+    ///
+    /// # Panics
+    /// If `vertex` is out of range or `out` is not one number a texel.
+    #[track_caller]
+    pub fn decode(&self, vertex: usize, out: &mut [f32]) {
+        crate::error::check_length("texels of a vertex", self.layout.grid().len(), out.len());
+        let mut block = vec![0.0_f32; self.layout.block_len()];
+        for b in 0..self.layout.blocks() {
+            with_maps!(&self.maps, maps => maps.map(vertex * self.layout.blocks() + b).decode(&mut block));
+            for (&texel, &value) in self.layout.texels(b).iter().zip(&block) {
+                out[texel as usize] = value;
+            }
+        }
+    }
+
+    /// Counts and sizes. Cost: codes the file once.
+    pub fn stats(&self) -> TransportStats {
+        let coded = with_maps!(&self.maps, maps => maps.stats());
+        TransportStats { vertices: self.vertices(), blocks: self.layout.blocks(), coded }
+    }
+
+    /// Saves to a file; a failure leaves what was there. The form: docs/block_product.md.
+    ///
+    /// # Errors
+    /// [`Error::File`] if it cannot be written.
+    pub fn save(&self, path: &Path) -> Result<()> {
+        super::file::save(self, path)
+    }
+
+    /// Loads what [`save`](Self::save) wrote.
+    ///
+    /// # Errors
+    /// [`Error::File`] naming the place if the file is of another kind or version, cut short, damaged or inconsistent.
+    pub fn load(path: &Path) -> Result<Self> {
+        super::file::load(path)
+    }
+}
+
+fn check_grid(what: &'static str, got: CubeGrid, layout: CubeGrid) -> Result<()> {
+    if got == layout {
+        return Ok(());
+    }
+    Err(Error::OutOfRange { what, got: got.side() as f64, allowed: "that of the block layout" })
+}
+
+fn check_vertices(mesh: &Mesh, got: usize) -> Result<()> {
+    let expected = mesh.positions().len();
+    if got == expected { Ok(()) } else { Err(Error::Length { what: "visibility maps", expected, got }) }
+}
+
+/// Codes binary maps; `words` makes those of a vertex in its scratch.
+fn binary<S: Send>(
+    layout: &BlockLayout,
+    vertices: usize,
+    progress: &impl Progress,
+    scratch: impl Fn() -> S + Sync,
+    words: impl Fn(usize, &mut S) -> (&mut BitCutter, &mut Vec<u64>) + Sync,
+) -> Result<Transport> {
+    let len = layout.block_len();
+    let maps = if len <= 256 {
+        Maps::Binary8(code(vertices, (len, 1), progress, &scratch, |vertex, s, maps: &mut BinaryMaps<u8>| {
+            let (cutter, words) = words(vertex, s);
+            cutter.code(words, maps);
+        })?)
+    } else {
+        Maps::Binary16(code(vertices, (len, 1), progress, &scratch, |vertex, s, maps: &mut BinaryMaps<u16>| {
+            let (cutter, words) = words(vertex, s);
+            cutter.code(words, maps);
+        })?)
+    };
+    Ok(Transport { layout: layout.clone(), maps })
+}
+
+/// Codes maps of several levels; `counts` makes those of a vertex in its scratch.
+fn gray<S: Send>(
+    layout: &BlockLayout,
+    mesh: &Mesh,
+    (samples, bits): (usize, u32),
+    progress: &impl Progress,
+    scratch: impl Fn() -> S + Sync,
+    counts: impl Fn(usize, &mut S) -> &mut Vec<u8> + Sync,
+) -> Result<Transport> {
+    if !(2..=8).contains(&bits) {
+        return Err(Error::OutOfRange { what: "bits of gray visibility", got: f64::from(bits), allowed: "from 2 to 8" });
+    }
+    let (len, top, normals) = (layout.block_len(), ((1_u32 << bits) - 1) as u8, mesh.normals());
+    let scratch = || (GrayCutter::new(layout, samples, top), scratch());
+    let maps = if len <= 256 {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), maps: &mut GrayMaps<u8>| {
+            cutter.code(counts(vertex, s), &normals[vertex], maps);
+        };
+        Maps::Gray8(code(normals.len(), (len, top), progress, &scratch, one)?)
+    } else {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), maps: &mut GrayMaps<u16>| {
+            cutter.code(counts(vertex, s), &normals[vertex], maps);
+        };
+        Maps::Gray16(code(normals.len(), (len, top), progress, &scratch, one)?)
+    };
+    Ok(Transport { layout: layout.clone(), maps })
+}
+
+/// Codes all vertices, a piece at a time, in parallel, and joins the pieces in order.
+fn code<M: Coded, S: Send>(
+    vertices: usize,
+    (len, top): (usize, u8),
+    progress: &impl Progress,
+    scratch: &(impl Fn() -> S + Sync),
+    one: impl Fn(usize, &mut S, &mut M) + Sync,
+) -> Result<M> {
+    // A few hundred pieces: enough to balance threads, few enough to report each.
+    let piece = vertices.div_ceil(256).max(1);
+    let done = AtomicUsize::new(0);
+    let run = |s: &mut S, first: usize| -> Result<M> {
+        let mut maps = M::empty(len, top)?;
+        let end = (first + piece).min(vertices);
+        for vertex in first..end {
+            if vertex % 8 == 0 && progress.is_cancelled() {
+                return Err(Error::Cancelled);
+            }
+            one(vertex, s, &mut maps);
+        }
+        progress.advance(done.fetch_add(end - first, Ordering::Relaxed) + end - first, vertices);
+        Ok(maps)
+    };
+    let firsts: Vec<usize> = (0..vertices).step_by(piece).collect();
+    #[cfg(feature = "rayon")]
+    let pieces: Vec<M> = firsts.par_iter().map_init(scratch, |s, &first| run(s, first)).collect::<Result<_>>()?;
+    #[cfg(not(feature = "rayon"))]
+    let pieces: Vec<M> = {
+        let mut s = scratch();
+        firsts.iter().map(|&first| run(&mut s, first)).collect::<Result<_>>()?
+    };
+    let mut all = M::empty(len, top)?;
+    pieces.iter().try_for_each(|maps| all.join(maps))?;
+    Ok(all)
+}
