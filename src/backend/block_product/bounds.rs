@@ -80,10 +80,12 @@ impl Gauge {
         let side = layout.side();
         let shape = |&block: &usize| {
             let centre = Unit::new_normalize(layout.centre(block));
-            let turn = Rotation3::rotation_between(&centre, &Vector3::z_axis()).expect("the centre of +X's block is not -z");
+            let turn =
+                Rotation3::rotation_between(&centre, &Vector3::z_axis()).expect("the centre of +X's block is not -z");
             let at = |x: f64, y: f64| turn * layout.direction(block, x, y);
             let pixels = (0..side * side).map(|p| (at((p % side) as f64, (p / side) as f64), p)).collect();
-            let nodes = interpolation.levels().each_ref().map(|level| level.nodes.iter().map(|n| at(n[0], n[1])).collect());
+            let nodes =
+                interpolation.levels().each_ref().map(|level| level.nodes.iter().map(|n| at(n[0], n[1])).collect());
             Shape { pixels, nodes }
         };
         let blocks = layout.shapes();
@@ -151,7 +153,9 @@ impl MirrorBounds {
                 let (s, c) = theta.sin_cos();
                 let mirror = Vector3::new(s * azimuth.cos(), s * azimuth.sin(), c);
                 for shape in &gauge.shapes {
-                    let lobe = |d: &Vector3<f64>| Some(d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0));
+                    let lobe = |d: &Vector3<f64>| {
+                        Some(d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0))
+                    };
                     most = worst(most, gauge.errors(shape, 1, lobe));
                 }
             }
@@ -224,7 +228,8 @@ impl WideBounds {
         let coloured = brdf.colour().is_none();
         let at = |k: usize| (parts[k] as f64 + 0.5) / counts[k] as f64;
         let wo = direction(at(0) * 0.5_f64.sqrt(), if isotropic { 0.0 } else { 4.0 * at(1) });
-        let centre = Unit::new_normalize(direction(at(2) * Self::lowest(gauge), at(3) * if isotropic { 2.0 } else { 4.0 }));
+        let centre =
+            Unit::new_normalize(direction(at(2) * Self::lowest(gauge), at(3) * if isotropic { 2.0 } else { 4.0 }));
         let place = Rotation3::rotation_between(&Vector3::z_axis(), &centre).unwrap_or_else(Rotation3::identity);
         let mut most = [0.0; 4];
         for roll in [0.0, std::f64::consts::FRAC_PI_4] {
@@ -252,8 +257,20 @@ impl WideBounds {
         let parts = Self::split(isotropic, cell);
         let near = |k: usize| {
             let (n, p, round) = (counts[k], parts[k], !isotropic && k % 2 == 1);
-            let before = if p > 0 { p - 1 } else if round { n - 1 } else { p };
-            let after = if p + 1 < n { p + 1 } else if round { 0 } else { p };
+            let before = if p > 0 {
+                p - 1
+            } else if round {
+                n - 1
+            } else {
+                p
+            };
+            let after = if p + 1 < n {
+                p + 1
+            } else if round {
+                0
+            } else {
+                p
+            };
             [before, p, after]
         };
         let mut most = [0.0; 4];

@@ -136,7 +136,10 @@ pub(super) fn count_samples(words: &[u64], side: usize, samples: usize, counts: 
     for (y, row) in counts.chunks_exact_mut(side).enumerate() {
         for (x, count) in row.iter_mut().enumerate() {
             let bit = |at: usize| (words[at / 64] >> (at % 64) & 1) as u8;
-            *count = (0..samples).flat_map(|v| (0..samples).map(move |u| (y * samples + v) * fine + x * samples + u)).map(bit).sum();
+            *count = (0..samples)
+                .flat_map(|v| (0..samples).map(move |u| (y * samples + v) * fine + x * samples + u))
+                .map(bit)
+                .sum();
         }
     }
 }

@@ -14,10 +14,10 @@ use std::path::Path;
 use super::coding::Coded;
 use super::layout::BlockLayout;
 use super::transport::{Maps, Transport};
+use crate::Result;
 use crate::backend::archive;
 use crate::compress::ScanOrder;
 use crate::sphere::CubeGrid;
-use crate::Result;
 
 const KIND: [u8; 4] = *b"BLKP";
 const VERSION: u32 = 1;

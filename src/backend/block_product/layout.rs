@@ -100,7 +100,8 @@ impl BlockLayout {
     pub fn direction(&self, block: usize, x: f64, y: f64) -> Vector3<f64> {
         let along = self.grid.side() / self.side;
         let (face, by, bx) = (block / (along * along), block / along % along, block % along);
-        let on_face = |block: usize, at: f64| ((block * self.side) as f64 + at + 0.5) * 2.0 / self.grid.side() as f64 - 1.0;
+        let on_face =
+            |block: usize, at: f64| ((block * self.side) as f64 + at + 0.5) * 2.0 / self.grid.side() as f64 - 1.0;
         Face::ALL[face].point(on_face(bx, x), on_face(by, y)).normalize()
     }
 

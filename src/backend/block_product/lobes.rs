@@ -134,7 +134,9 @@ impl Planner {
             Rule::Bounded { .. } => Ok(match model {
                 // Cosines are not lobes under this rule.
                 Model::Lambert => Sampling::Pixels,
-                Model::Phong(phong) => Sampling::Mirror { bounds: self.mirror(phong.exponent()), offset: offset(factor) },
+                Model::Phong(phong) => {
+                    Sampling::Mirror { bounds: self.mirror(phong.exponent()), offset: offset(factor) }
+                }
                 Model::Other(brdf) => {
                     let bounds = Arc::new(WideBounds::new(&self.gauge, brdf.as_ref(), brdf.is_isotropic()));
                     Sampling::Wide { bounds, offset: offset(weight) }

@@ -84,7 +84,8 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     fn coefficients<const M: usize>(&mut self, block: usize, level: usize) {
         let at = block * NODES + level;
         let ([x, y, z], [r, g, b]) = (&self.directions.nodes, &self.light.weights);
-        let from = [x, y, z, r, g, b].map(|plane| plane[at..].first_chunk::<M>().expect("tables have all nodes of a block"));
+        let from =
+            [x, y, z, r, g, b].map(|plane| plane[at..].first_chunk::<M>().expect("tables have all nodes of a block"));
         self.samples.push(from);
     }
 
@@ -94,14 +95,16 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
         let len = self.light.layout().block_len();
         let mut record = [0.0; 12];
         self.maps.add(self.first + block, &self.light.nodes[block * len..][..len], &mut record);
-        let weights: [&[f32; 4]; 3] = [0, 4, 8].map(|k| record[k..].first_chunk().expect("a record has twelve numbers"));
+        let weights: [&[f32; 4]; 3] =
+            [0, 4, 8].map(|k| record[k..].first_chunk().expect("a record has twelve numbers"));
         let [x, y, z] = &self.directions.nodes;
         if constant {
             let at = block * NODES;
             let [r, g, b] = weights.map(|w| [w[0] + w[1] + w[2] + w[3]]);
             self.samples.push([&[x[at]], &[y[at]], &[z[at]], &r, &g, &b]);
         } else {
-            let [x, y, z] = [x, y, z].map(|plane| plane[block * NODES + 1..].first_chunk().expect("tables have all nodes"));
+            let [x, y, z] =
+                [x, y, z].map(|plane| plane[block * NODES + 1..].first_chunk().expect("tables have all nodes"));
             self.samples.push([x, y, z, weights[0], weights[1], weights[2]]);
         }
     }
@@ -114,7 +117,14 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
         while let Some((run, level)) = self.maps.run(self.first + block, index) {
             index += 1;
             if level == 1.0 && run.len() >= LONG_RUN {
-                add(total, sum(self.kernel, self.normal, planes(self.light, self.directions, first + run.start, first + run.end)));
+                add(
+                    total,
+                    sum(
+                        self.kernel,
+                        self.normal,
+                        planes(self.light, self.directions, first + run.start, first + run.end),
+                    ),
+                );
             } else if level > 0.0 {
                 for from in run.clone().step_by(PIECE) {
                     let to = run.end.min(from + PIECE);

@@ -266,7 +266,8 @@ impl Frame<'_, '_> {
     ) -> Vector3<f64> {
         let plan = self.plan(vertex);
         let n = seen.axes.normal();
-        let mut sum = Vector3::from([0, 4, 8].map(|k| (0..3).map(|axis| f64::from(moments[k + axis]) * n[axis]).sum::<f64>()));
+        let mut sum =
+            Vector3::from([0, 4, 8].map(|k| (0..3).map(|axis| f64::from(moments[k + axis]) * n[axis]).sum::<f64>()));
         sum.component_mul_assign(&plan.diffuse);
         if !plan.lobes.is_empty() {
             self.find_live(maps, vertex, scratch);
@@ -302,11 +303,21 @@ impl Frame<'_, '_> {
                     let block = usize::from(block);
                     let cosine = dot(mirror, at(&directions.centres, block));
                     let [near, middle] = limits[block];
-                    scratch.classes[block] = classes[if cosine > near { 0 } else if cosine > middle { 1 } else { 2 }];
+                    scratch.classes[block] = classes[if cosine > near {
+                        0
+                    } else if cosine > middle {
+                        1
+                    } else {
+                        2
+                    }];
                 }
             }
             Sampling::Mirror { bounds, offset } => {
-                arch.dispatch(MirrorCells { mirror: mirror(), centres: &directions.centres, cells: &mut scratch.cells });
+                arch.dispatch(MirrorCells {
+                    mirror: mirror(),
+                    centres: &directions.centres,
+                    cells: &mut scratch.cells,
+                });
                 for &block in &scratch.live {
                     let block = usize::from(block);
                     let codes = bounds.cells()[usize::from(scratch.cells[block])];
@@ -325,7 +336,14 @@ impl Frame<'_, '_> {
         }
     }
 
-    fn lobe<V: Visible>(self, maps: &V, vertex: usize, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) -> Vector3<f64> {
+    fn lobe<V: Visible>(
+        self,
+        maps: &V,
+        vertex: usize,
+        lobe: &Lobe,
+        seen: &Seen,
+        scratch: &mut Scratch,
+    ) -> Vector3<f64> {
         let (axes, wo) = (&seen.axes, &seen.wo);
         let sum = match &lobe.model {
             Model::Lambert => Some(self.lobe_sum::<1, _, _>(Cosine, maps, vertex, seen, scratch)),

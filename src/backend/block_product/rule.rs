@@ -36,7 +36,11 @@ impl Rule {
         if tolerance >= 0.0 && tolerance.is_finite() {
             return Ok(Self::Bounded { tolerance });
         }
-        Err(Error::OutOfRange { what: "tolerance of a block product", got: tolerance, allowed: "finite and at least 0" })
+        Err(Error::OutOfRange {
+            what: "tolerance of a block product",
+            got: tolerance,
+            allowed: "finite and at least 0",
+        })
     }
 }
 

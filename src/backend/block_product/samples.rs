@@ -90,7 +90,12 @@ pub(super) fn sum<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3], pla
 
 /// Reflectance × cosine of every direction; 0 below the horizon unless it goes on smoothly.
 #[inline(always)]
-fn reflect<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3], [x, y, z]: [&[f32]; 3], mut out: [&mut [f32]; N]) {
+fn reflect<const N: usize, K: Kernel<N>>(
+    kernel: K,
+    normal: [f32; 3],
+    [x, y, z]: [&[f32]; 3],
+    mut out: [&mut [f32]; N],
+) {
     let one = |d: [f32; 3]| {
         let cosine = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
         let value = kernel.value(d, cosine);

@@ -20,7 +20,12 @@ pub(super) struct Directions {
 impl Directions {
     pub(super) fn new(layout: &BlockLayout, interpolation: &Interpolation) -> Self {
         use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
-        let mut all = Self { pixels: Default::default(), nodes: Default::default(), centres: Default::default(), limits: Default::default() };
+        let mut all = Self {
+            pixels: Default::default(),
+            nodes: Default::default(),
+            centres: Default::default(),
+            limits: Default::default(),
+        };
         let push = |planes: &mut [Vec<f32>; 3], d: nalgebra::Vector3<f64>| {
             planes.iter_mut().zip(d.iter()).for_each(|(plane, &c)| plane.push(c as f32));
         };

@@ -267,7 +267,11 @@ fn gray<S: Send>(
     counts: impl Fn(usize, &mut S) -> &mut Vec<u8> + Sync,
 ) -> Result<Transport> {
     if !(2..=8).contains(&bits) {
-        return Err(Error::OutOfRange { what: "bits of gray visibility", got: f64::from(bits), allowed: "from 2 to 8" });
+        return Err(Error::OutOfRange {
+            what: "bits of gray visibility",
+            got: f64::from(bits),
+            allowed: "from 2 to 8",
+        });
     }
     let (len, top, normals) = (layout.block_len(), ((1_u32 << bits) - 1) as u8, mesh.normals());
     let scratch = || (GrayCutter::new(layout, samples, top), scratch());

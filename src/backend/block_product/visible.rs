@@ -25,18 +25,21 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
     #[inline(always)]
     fn add(&self, map: usize, sums: &[Record], sum: &mut Record) {
         let (pairs, rest) = self.map(map).changes().as_chunks::<2>();
+        // A copy that stays in registers.
+        let mut total = *sum;
         for [on, off] in pairs {
             let (on, off) = (&sums[on.place()], &sums[off.place()]);
             for k in 0..12 {
-                sum[k] += on[k] - off[k];
+                total[k] += on[k] - off[k];
             }
         }
         if let [on] = rest {
             let on = &sums[on.place()];
             for k in 0..12 {
-                sum[k] += on[k];
+                total[k] += on[k];
             }
         }
+        *sum = total;
     }
 
     #[inline(always)]
@@ -63,15 +66,16 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     fn add(&self, map: usize, sums: &[Record], sum: &mut Record) {
         let map = self.map(map);
         let scale = 1.0 / f32::from(map.top());
-        let mut before = 0.0;
+        let (mut total, mut before) = (*sum, 0.0);
         for (change, &level) in map.changes().iter().zip(map.levels()) {
             let (level, sums) = (f32::from(level), &sums[change.place()]);
             let weight = (level - before) * scale;
             before = level;
             for k in 0..12 {
-                sum[k] += weight * sums[k];
+                total[k] += weight * sums[k];
             }
         }
+        *sum = total;
     }
 
     #[inline(always)]

@@ -31,9 +31,9 @@ use nalgebra::{Unit, Vector3};
 
 pub use ashikhmin::AshikhminShirley;
 pub use directions::DirectionTable;
-pub(crate) use kernel::{Cosine, Eval, Kernel, narrow};
 pub use ggx::CookTorrance;
 pub(crate) use ggx::Reflectance;
+pub(crate) use kernel::{Cosine, Eval, Kernel, narrow};
 pub use lambert::Lambert;
 pub use merl::{Merl, MerlLookup};
 pub use phong::{BlinnPhong, Phong};

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_exponent, half_vector, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_exponent, half_vector, plane_count,
+    split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;

@@ -5,7 +5,9 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2};
-use super::{Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, plane_count, split_colour};
+use super::{
+    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, plane_count, split_colour,
+};
 use crate::Result;
 use crate::scene::Frame;
 
