@@ -75,12 +75,10 @@ impl<'a> BinaryMap<'a> {
         let count = row.len();
         match self {
             Self::Bools(map) => {
-                let map = &map[start..][..count];
-                (0..count).for_each(|i| row[i] = u16::from(map[i]));
+                widen(&map[start..][..count], row, |pixel| pixel);
             }
             Self::Bytes(map) => {
-                let map = &map[start..][..count];
-                (0..count).for_each(|i| row[i] = u16::from(map[i] != 0));
+                widen(&map[start..][..count], row, |pixel| pixel != 0);
             }
             Self::Bits(map) => {
                 for (k, row) in row.chunks_mut(16).enumerate() {
@@ -90,6 +88,20 @@ impl<'a> BinaryMap<'a> {
             }
         }
     }
+}
+
+/// In steps of a fixed length: the vector loop that LLVM makes of a length it does not know is longer than a row of a small map.
+#[inline(always)]
+fn widen<P: Copy>(map: &[P], row: &mut [u16], is_one: impl Fn(P) -> bool) {
+    let ((map, map_rest), (row, row_rest)) = (map.as_chunks::<16>(), row.as_chunks_mut::<16>());
+    for (map, row) in map.iter().zip(row) {
+        let mut step = [0; 16];
+        for i in 0..16 {
+            step[i] = if is_one(map[i]) { 1 } else { 0 };
+        }
+        *row = step;
+    }
+    map_rest.iter().zip(row_rest).for_each(|(&pixel, row)| *row = u16::from(is_one(pixel)));
 }
 
 /// Bits `start..`; zeros follow the last word.

@@ -144,23 +144,9 @@ impl Buffers {
             let [row, before] = &mut self.pixels;
             map.row(y * width, &mut row[STEP..][..width]);
             advance(&row[STEP..], &before[STEP..], &mut self.below);
-            let vertical = &mut self.vertical[y * padded..][..padded];
-            for (v, &below) in vertical.iter_mut().zip(&self.below) {
-                *v = (*v).min(below);
-            }
+            nearer(&mut self.vertical[y * padded..][..padded], &self.below);
             self.row(width, y, ring);
-            let out = &mut out[y * width..][..width];
-            let (squares, pixels) = (&self.squares[..width], &self.pixels[0][STEP..][..width]);
-            // Negative where the pixel is 0.
-            let signed = |x: usize| {
-                let sign = i32::from(pixels[x]) - 1;
-                (squares[x].min(bound) ^ sign) - sign
-            };
-            if bound < 1 << 24 {
-                (0..width).for_each(|x| out[x] = O::of_small(signed(x)));
-            } else {
-                (0..width).for_each(|x| out[x] = O::of(signed(x)));
-            }
+            write(&self.squares, &self.pixels[0][STEP..], bound, &mut out[y * width..][..width]);
             self.pixels.swap(0, 1);
         }
     }
@@ -186,8 +172,11 @@ impl Buffers {
         for at in (0..width).step_by(STEP) {
             unfinished |= near_block(at, limit, &self.from, &mut self.near) > known(width);
         }
-        for (square, &near) in self.squares.iter_mut().zip(&self.near) {
-            *square = if near == FAR { i32::MAX } else { i32::from(near) };
+        let squares = self.squares.as_chunks_mut::<STEP>().0.iter_mut();
+        for (squares, near) in squares.zip(self.near.as_chunks::<STEP>().0) {
+            for x in 0..STEP {
+                squares[x] = if near[x] == FAR { i32::MAX } else { i32::from(near[x]) };
+            }
         }
         if unfinished {
             self.far(width, y, ring);
@@ -243,6 +232,28 @@ fn advance(row: &[u16], before: &[u16], distance: &mut [u16]) {
             next[x] = ((next[x] + 2).min(NONE) & same) | (1 & !same);
         }
         distance[k] = next;
+    }
+}
+
+#[inline(always)]
+fn nearer(above: &mut [u16], below: &[u16]) {
+    for (above, below) in above.as_chunks_mut::<STEP>().0.iter_mut().zip(below.as_chunks::<STEP>().0) {
+        (0..STEP).for_each(|x| above[x] = above[x].min(below[x]));
+    }
+}
+
+/// A row of the table: squares, no larger than `bound`, negative where the pixel is 0. Squares and pixels are padded to whole steps.
+#[inline(always)]
+fn write<O: FromSquare>(squares: &[i32], pixels: &[u16], bound: i32, out: &mut [O]) {
+    let (squares, pixels) = (squares.as_chunks::<STEP>().0, pixels.as_chunks::<STEP>().0);
+    for ((squares, pixels), out) in squares.iter().zip(pixels).zip(out.chunks_mut(STEP)) {
+        let mut signed = [0; STEP];
+        for x in 0..STEP {
+            let sign = i32::from(pixels[x]) - 1;
+            signed[x] = (squares[x].min(bound) ^ sign) - sign;
+        }
+        let step = if bound < 1 << 24 { signed.map(O::of_small) } else { signed.map(O::of) };
+        out.copy_from_slice(&step[..out.len()]);
     }
 }
 

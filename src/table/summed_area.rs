@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::prefix::{self, Columns};
+use super::prefix;
 use crate::error::check_length;
 use crate::numeric::align_stack;
 use crate::{Error, Real, Result};
@@ -130,7 +130,7 @@ impl SummedAreaPlan {
 
     /// [`build`](Self::build) of one image on all threads (feature `rayon`; on one without it). The same bits.
     ///
-    /// It reads the samples twice, and allocates a row for each 64 of the image: for images of a million samples.
+    /// It sums everything twice, and allocates a row for each 64 of the image: for images of a million samples on more than two threads.
     ///
     /// # Panics
     /// As [`build`](Self::build), but for the scratch.
@@ -150,10 +150,11 @@ impl SummedAreaPlan {
         use rayon::prelude::*;
         let (width, band) = (self.width, prefix::BAND);
         let bands = || samples.par_chunks(band * width);
-        // The column sums above each band: those of the bands, apart, and then one after the other.
+        let scratch = || vec![T::zero(); 2 * width + 1];
+        // The table's rows above each band: what the bands add, apart, and then one after the other.
         let mut above = vec![T::zero(); self.height.div_ceil(band) * width];
-        let sums = above[width..].par_chunks_mut(width).zip(bands());
-        sums.for_each(|(sums, samples)| self.arch.dispatch(ColumnSums { samples, sums }));
+        let tasks = above[width..].par_chunks_mut(width).zip(bands());
+        tasks.for_each_init(scratch, |scratch, (sums, samples)| self.arch.dispatch(Sums { samples, scratch, sums }));
         for start in (width..above.len()).step_by(width) {
             let (before, this) = above.split_at_mut(start);
             for (sum, &before) in this[..width].iter_mut().zip(&before[start - width..]) {
@@ -162,12 +163,10 @@ impl SummedAreaPlan {
         }
         let (first, rest) = table.split_at_mut(width + 1);
         first.fill(T::zero());
-        let tables = rest.par_chunks_mut(band * (width + 1));
-        let tasks = tables.zip(bands()).zip(above.par_chunks(width));
-        tasks.for_each_init(
-            || vec![T::zero(); width],
-            |scratch, ((table, samples), above)| self.arch.dispatch(Band { samples, above, scratch, table }),
-        );
+        let tasks = rest.par_chunks_mut(band * (width + 1)).zip(bands()).zip(above.par_chunks(width));
+        tasks.for_each_init(scratch, |scratch, ((table, samples), above)| {
+            self.arch.dispatch(Band { samples, above, sums: &mut scratch[..width], table });
+        });
     }
 
     #[track_caller]
@@ -211,26 +210,32 @@ impl<S: Real, T: Real> WithSimd for Tables<'_, S, T> {
                     }
                 }
                 band.fill(T::zero());
-                prefix::band(samples, &mut Columns { above: &*above, band: &mut *band }, table);
+                prefix::band(samples, above, band, table);
             }
         }
     }
 }
 
+/// What a band adds to the table's row above it; the table's own rows are left in scratch, zeros followed by a row.
 #[cfg(feature = "rayon")]
-struct ColumnSums<'a, S, T> {
+struct Sums<'a, S, T> {
     samples: &'a [S],
+    scratch: &'a mut [T],
     sums: &'a mut [T],
 }
 
 #[cfg(feature = "rayon")]
-impl<S: Real, T: Real> WithSimd for ColumnSums<'_, S, T> {
+impl<S: Real, T: Real> WithSimd for Sums<'_, S, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<V: Simd>(self, _: V) {
         align_stack();
-        prefix::column_sums(self.samples, self.sums);
+        let width = self.sums.len();
+        let (zeros, row) = self.scratch.split_at_mut(width);
+        for samples in self.samples.chunks_exact(width) {
+            prefix::band(samples, zeros, self.sums, row);
+        }
     }
 }
 
@@ -238,7 +243,7 @@ impl<S: Real, T: Real> WithSimd for ColumnSums<'_, S, T> {
 struct Band<'a, S, T> {
     samples: &'a [S],
     above: &'a [T],
-    scratch: &'a mut [T],
+    sums: &'a mut [T],
     table: &'a mut [T],
 }
 
@@ -249,7 +254,7 @@ impl<S: Real, T: Real> WithSimd for Band<'_, S, T> {
     #[inline(always)]
     fn with_simd<V: Simd>(self, _: V) {
         align_stack();
-        self.scratch.fill(T::zero());
-        prefix::band(self.samples, &mut Columns { above: self.above, band: self.scratch }, self.table);
+        self.sums.fill(T::zero());
+        prefix::band(self.samples, self.above, self.sums, self.table);
     }
 }

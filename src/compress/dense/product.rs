@@ -52,10 +52,11 @@ impl<E: Real> Factors<E> {
     }
 }
 
+/// Rows of a task of [`times_rows`]: their tiles stay in the second cache while the panels pass.
+const CHUNK: usize = 16 * TILE_ROWS;
+
 /// A Qᵀ: `out[i·p + j]` = Σ_k a_ik q_jk. Each element has the same bits whatever other rows there are.
 pub(in super::super) fn times_rows<T: Real, E: Real>(rows: &Rows<T, E>, q: &Factors<E>, part: Part, out: &mut [E]) {
-    /// Rows of a task: their tiles stay in the second cache while the panels pass.
-    const CHUNK: usize = 16 * TILE_ROWS;
     assert!(rows.columns() == q.columns && out.len() == rows.len() * q.len);
     let arch = Arch::new();
     for_chunks(out, CHUNK * q.len, |chunk, out| times_some_rows(arch, rows, q, (chunk * CHUNK, part), out));
@@ -129,32 +130,69 @@ pub(in super::super) enum Left<'a, E> {
 
 /// Yᵀ A: `out[j·columns + c]` = Σ_i y_ij a_ic.
 pub(in super::super) fn transpose_times<T: Real, E: Real>(rows: &Rows<T, E>, left: Left<E>) -> Vec<f64> {
-    /// Columns of a task, a multiple of both tiles' widths.
-    const BLOCK: usize = 128;
-    let arch = Arch::new();
-    let columns = rows.columns();
-    let p = match left {
-        Left::Matrix(_, p) => p,
-        Left::Itself(_) => columns,
+    let (p, part) = match left {
+        Left::Matrix(_, p) => (p, Part::All),
+        Left::Itself(part) => (rows.columns(), part),
     };
-    // Blocks of columns, each p × its width.
-    let mut blocks = vec![0.0; p * columns];
-    let mut tiles = vec![E::zero(); p.div_ceil(TILE_ROWS) * LEFT_TILE];
+    let mut sums = TransposeSums::new(p, part, rows.columns());
     for first in (0..rows.len()).step_by(DEPTH) {
+        let left = match left {
+            Left::Matrix(y, p) => Left::Matrix(&y[first * p..], p),
+            Left::Itself(part) => Left::Itself(part),
+        };
+        sums.add(rows, first, left);
+    }
+    sums.finish()
+}
+
+/// Q Aᵀ A, of [`times_rows`] and [`transpose_times`] with the same bits, in one pass over A: rows come from memory once for both.
+pub(in super::super) fn there_and_back<T: Real, E: Real>(rows: &Rows<T, E>, q: &Factors<E>) -> Vec<f64> {
+    let arch = Arch::new();
+    let p = q.len;
+    let mut y = vec![E::zero(); DEPTH.min(rows.len()) * p];
+    let mut sums = TransposeSums::new(p, Part::All, rows.columns());
+    for start in (0..rows.len()).step_by(DEPTH) {
+        let y = &mut y[..DEPTH.min(rows.len() - start) * p];
+        for_chunks(y, CHUNK * p, |chunk, out| times_some_rows(arch, rows, q, (start + chunk * CHUNK, Part::All), out));
+        sums.add(rows, start, Left::Matrix(y, p));
+    }
+    sums.finish()
+}
+
+/// Columns of a task, a multiple of both tiles' widths.
+const BLOCK: usize = 128;
+
+/// Yᵀ A while it is summed, [`DEPTH`] rows at a time.
+struct TransposeSums<E> {
+    arch: Arch,
+    part: Part,
+    p: usize,
+    columns: usize,
+    /// Blocks of columns, each p × its width.
+    blocks: Vec<f64>,
+    tiles: Vec<E>,
+}
+
+impl<E: Real> TransposeSums<E> {
+    fn new(p: usize, part: Part, columns: usize) -> Self {
+        let tiles = vec![E::zero(); p.div_ceil(TILE_ROWS) * LEFT_TILE];
+        Self { arch: Arch::new(), part, p, columns, blocks: vec![0.0; p * columns], tiles }
+    }
+
+    /// Adds the terms from row `first`; a left matrix begins with them.
+    fn add<T: Real>(&mut self, rows: &Rows<T, E>, first: usize, left: Left<E>) {
         let depth = DEPTH.min(rows.len() - first);
-        pack_left(rows, left, (first, depth), &mut tiles);
-        for_chunks(&mut blocks, p * BLOCK, |block, out| {
-            let start = block * BLOCK;
-            let width = out.len() / p;
-            let part = match left {
-                Left::Matrix(..) => Part::All,
-                Left::Itself(part) => part,
-            };
-            let range = Terms { first, depth, start, width, part };
-            transpose_times_block(arch, rows, &tiles, range, out);
+        pack_left(rows, left, (first, depth), &mut self.tiles);
+        let (arch, part, p, tiles) = (self.arch, self.part, self.p, &self.tiles);
+        for_chunks(&mut self.blocks, p * BLOCK, |block, out| {
+            let terms = Terms { first, depth, start: block * BLOCK, width: out.len() / p, part };
+            transpose_times_block(arch, rows, tiles, terms, out);
         });
     }
-    unblock(&blocks, p, columns, BLOCK)
+
+    fn finish(self) -> Vec<f64> {
+        unblock(&self.blocks, self.p, self.columns, BLOCK)
+    }
 }
 
 /// The terms of a sum (rows of A) and the columns of A.
@@ -185,12 +223,12 @@ fn transpose_times_block<T: Real, E: Real>(arch: Arch, rows: &Rows<T, E>, left: 
     Tiles { left, right: &right, depth, wanted, with }.run(arch);
 }
 
-/// Terms `first..first + depth` of the left factor's columns, as tiles.
+/// Terms `first..first + depth` of the left factor's columns, as tiles; a matrix begins with them.
 fn pack_left<T: Real, E: Real>(rows: &Rows<T, E>, left: Left<E>, (first, depth): (usize, usize), tiles: &mut [E]) {
     let mut line = vec![E::zero(); rows.columns()];
     for k in 0..depth {
         let y = match left {
-            Left::Matrix(y, p) => &y[(first + k) * p..][..p],
+            Left::Matrix(y, p) => &y[k * p..][..p],
             Left::Itself(_) => {
                 rows.copy(first + k, 0, &mut line);
                 &line

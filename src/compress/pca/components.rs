@@ -23,7 +23,7 @@ use crate::{Error, Real, Result};
 /// Rank: components whose standard deviation is below 4e-6 (`f32`) or 1.2e-7 (`f64`) of the largest one's are rounding, and are dropped, so
 /// [`len`](Self::len) may be less than was asked for; it is 0 if all rows are equal. Never more than min(rows, columns).
 /// Accuracy: the exact method to a few ε·(first deviation/this deviation); the randomised one as its settings say.
-/// Cost: the randomised method passes over the matrix 2 · power iterations + 2 times. The same bits for any number of threads.
+/// Cost: the randomised method reads the matrix power iterations + 3 times and multiplies by it 2 · power iterations + 2 times. The same bits for any number of threads.
 ///
 /// # Example
 /// ```

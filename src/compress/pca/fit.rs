@@ -1,8 +1,8 @@
 //! Finding components.
 
 use super::super::dense::{
-    Factors, Left, Part, Rows, Scaling, combine, largest_positive, orthonormalise, symmetric_eigen, times_rows,
-    transpose_times,
+    Factors, Left, Part, Rows, Scaling, combine, largest_positive, orthonormalise, symmetric_eigen, there_and_back,
+    times_rows, transpose_times,
 };
 use super::super::random::Random;
 use super::settings::{PcaMethod, PcaSettings};
@@ -114,10 +114,12 @@ fn randomised_fit<T: Real>(source: &Source<T>, settings: &PcaSettings, sketch: u
             return Fit { components: Vec::new(), values: Vec::new() };
         }
         let narrow: Vec<T> = q.iter().map(|&x| T::of(x)).collect();
-        y.resize(rows.len() * kept, T::zero());
-        times_rows(&rows, &Factors::plain(&narrow, columns), Part::All, &mut y);
+        let factors = Factors::plain(&narrow, columns);
         if round < settings.power_iterations {
-            q = transpose_times(&rows, Left::Matrix(&y, kept));
+            q = there_and_back(&rows, &factors);
+        } else {
+            y.resize(rows.len() * kept, T::zero());
+            times_rows(&rows, &factors, Part::All, &mut y);
         }
     }
     let kept = q.len() / columns;

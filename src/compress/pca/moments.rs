@@ -90,11 +90,22 @@ impl<T: Real> WithSimd for Piece<'_, T> {
             let ((first, first_rest), (second, second_rest)) =
                 (first.as_chunks_mut::<L>(), second.as_chunks_mut::<L>());
             for (((row, reference), first), second) in row.iter().zip(reference).zip(first).zip(second) {
+                // One operation a loop, or LLVM leaves them scalar.
+                let x = row.map(|x| x.widen());
+                let mut d = [0.0; L];
                 for l in 0..L {
-                    let (x, d) = (row[l].widen(), row[l].widen() - reference[l].widen());
-                    first[l] += d;
-                    second[l] += d * d;
-                    energies[l] += x * x;
+                    d[l] = x[l] - reference[l].widen();
+                }
+                for l in 0..L {
+                    first[l] += d[l];
+                }
+                for l in 0..L {
+                    second[l] += d[l] * d[l];
+                }
+                for l in 0..L {
+                    energies[l] += x[l] * x[l];
+                }
+                for l in 0..L {
                     most[l] = if row[l].abs() > most[l] { row[l].abs() } else { most[l] };
                 }
             }
