@@ -1,13 +1,15 @@
 //! How wrong a reflectance with few samples a block is, measured before it is used.
 //!
-//! The error of l × l samples on a block is e = ρ̃ − Σ_j ρ̃(node_j) φ_j, and what it does to the radiance is at most
-//!   |Σ L V e| ≤ ‖L‖ ‖e‖                                           (Cauchy and Schwarz; ‖L‖ over the block, V ≤ 1).
-//! The root mean square of e is tabulated for l = 0 (nothing at all), 1, 2 and 4; ‖L‖ is a number a block, new with each light.
+//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is at most
+//!   free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
+//!   partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|        (Cauchy and Schwarz, Hölder; 0 ≤ V ≤ 1)
+//! The three norms of e are tabulated for l = 0 (nothing at all), 1, 2 and 4; those of the light are numbers a block, new with each
+//! light. Under a smooth sky a free block so needs few samples of a sharp lobe, where the sun stands it needs them all.
 //!
 //! | lobe | table over | why that is enough |
 //! |---|---|---|
 //! | about the mirror direction m | angle of the block's centre to m | ρ̃ = f(m·ω) n·ω: the error is n · (error of f(m·ω) ω), so that the norm of that *vector* bounds all normals |
-//! | any other | elevations of viewer and block, azimuth between them; both azimuths unless isotropic | every shape of block in two orientations, the largest of neighbouring cells |
+//! | any other | elevations of viewer and block, azimuth between them; both azimuths unless isotropic | the largest and the smallest shape of block in two orientations, the largest of neighbouring cells |
 
 use nalgebra::{Rotation3, Unit, Vector3};
 #[cfg(feature = "rayon")]
@@ -17,12 +19,157 @@ use super::interpolation::Interpolation;
 use super::layout::BlockLayout;
 use crate::scene::Brdf;
 
-/// Errors of 0, 1, 4 and 16 samples as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is twice k's to the
-/// eighth root.
-pub(super) type Codes = [u8; 4];
+/// Norms of the errors of 0, 1, 4 and 16 samples.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Errors {
+    rms: [f64; 4],
+    /// |mean e|
+    bias: [f64; 4],
+    /// mean |e|
+    mean: [f64; 4],
+}
+
+impl Errors {
+    /// The larger of each.
+    fn worst(self, other: Self) -> Self {
+        let larger = |a: [f64; 4], b: [f64; 4]| std::array::from_fn(|k| a[k].max(b[k]));
+        Self {
+            rms: larger(self.rms, other.rms),
+            bias: larger(self.bias, other.bias),
+            mean: larger(self.mean, other.mean),
+        }
+    }
+}
+
+/// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the eighth root of 2.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Codes {
+    rms: [u8; 4],
+    bias: [u8; 4],
+    mean: [u8; 4],
+}
+
+impl Codes {
+    /// Of errors and a tenth more, because they are measured at single places.
+    fn new(errors: Errors) -> Self {
+        let codes = |errors: [f64; 4]| errors.map(|error| code(1.1 * error));
+        Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
+    }
+
+    fn worse(self, other: Self) -> Self {
+        let larger = |a: [u8; 4], b: [u8; 4]| std::array::from_fn(|k| a[k].max(b[k]));
+        Self {
+            rms: larger(self.rms, other.rms),
+            bias: larger(self.bias, other.bias),
+            mean: larger(self.mean, other.mean),
+        }
+    }
+
+    /// The fewest samples of a free block: none, 1, 4, 16, pixels.
+    #[inline(always)]
+    pub(super) fn free(&self, limits: &Limits, offset: f32) -> u8 {
+        let (bias, rms) = (limit(limits.bias - offset), limit(limits.deviation - offset));
+        first(std::array::from_fn(|k| self.bias[k] <= bias && self.rms[k] <= rms))
+    }
+
+    /// The same of a block that is partly hidden.
+    #[inline(always)]
+    pub(super) fn mixed(&self, limits: &Limits, offset: f32) -> u8 {
+        let (rms, mean) = (limit(limits.rms - offset), limit(limits.mean - offset));
+        first(std::array::from_fn(|k| self.rms[k] <= rms || self.mean[k] <= mean))
+    }
+}
+
+/// The index of the first that holds, or 4.
+#[inline(always)]
+fn first(holds: [bool; 4]) -> u8 {
+    let bits = holds.iter().enumerate().fold(16, |bits, (k, &holds)| bits | u32::from(holds) << k);
+    bits.trailing_zeros() as u8
+}
+
+/// A limit as a code; an error of 0 is always allowed, one of [`NEVER`] never.
+#[inline(always)]
+fn limit(limit: f32) -> u8 {
+    limit.clamp(0.0, f32::from(NEVER) - 1.0) as u8
+}
+
+/// The largest errors that a block's light allows, as codes without offset; see [`threshold`].
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Limits {
+    /// Of |mean e| and of rms e, in a free block.
+    bias: f32,
+    deviation: f32,
+    /// Of rms e or of mean |e|, in one that is partly hidden.
+    rms: f32,
+    mean: f32,
+    /// How much smaller errors of one sign must be.
+    spread: f32,
+}
+
+/// √(blocks/2): the sum of as many equal errors as there are blocks above a horizon, over that of independent ones.
+pub(super) fn spread(blocks: usize) -> f64 {
+    (blocks as f64 / 2.0).sqrt()
+}
+
+impl Limits {
+    /// `allowed`: the error of the radiance by one of so many blocks.
+    pub(super) fn new(allowed: f64, norms: &Norms, blocks: usize) -> Self {
+        Self {
+            spread: offset(spread(blocks)),
+            bias: threshold(0.5 * allowed / norms.sum),
+            deviation: threshold(0.5 * allowed / norms.deviation),
+            rms: threshold(allowed / norms.rms),
+            mean: threshold(allowed / norms.largest),
+        }
+    }
+
+    /// log₂ of what a pixel may reflect, times the factor of `offset`, and still be left out.
+    #[inline(always)]
+    pub(super) fn darkness(&self, offset: f32) -> f32 {
+        (self.rms.max(self.mean) - self.spread - offset - ZERO as f32) / STEPS as f32
+    }
+}
+
+/// Norms of the light of a block of N pixels, of its brightest channel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Norms {
+    /// |Σ L|
+    pub(super) sum: f64,
+    /// √(N Σ (L − mean L)²)
+    pub(super) deviation: f64,
+    /// √(N Σ L²)
+    pub(super) rms: f64,
+    /// N max |L|
+    pub(super) largest: f64,
+}
+
+impl Norms {
+    /// Of one channel.
+    pub(super) fn new(light: &[f64]) -> Self {
+        let n = light.len() as f64;
+        let sum: f64 = light.iter().sum();
+        let (mut squares, mut deviations, mut largest) = (0.0, 0.0, 0.0_f64);
+        for &x in light {
+            squares += x * x;
+            deviations += (x - sum / n).powi(2);
+            largest = largest.max(x.abs());
+        }
+        Self { sum: sum.abs(), deviation: (n * deviations).sqrt(), rms: (n * squares).sqrt(), largest: n * largest }
+    }
+
+    /// The larger of each.
+    pub(super) fn larger(self, other: Self) -> Self {
+        Self {
+            sum: self.sum.max(other.sum),
+            deviation: self.deviation.max(other.deviation),
+            rms: self.rms.max(other.rms),
+            largest: self.largest.max(other.largest),
+        }
+    }
+}
 
 /// Above every threshold.
-pub(super) const NEVER: u8 = u8::MAX;
+const NEVER: u8 = u8::MAX;
 const STEPS: f64 = 8.0;
 const ZERO: f64 = 200.0;
 
@@ -35,19 +182,10 @@ fn code(error: f64) -> u8 {
     }
 }
 
-/// The codes of errors and a tenth more, because they are measured at single places: the smallest error of up to so many samples,
-/// so that the codes that are too large count the samples that are needed.
-fn codes(errors: [f64; 4]) -> Codes {
-    let mut least = NEVER;
-    errors.map(|error| {
-        least = least.min(code(1.1 * error));
-        least
-    })
-}
-
 /// The code of the largest error that is allowed, rounded down; to be lessened by [`offset`]s.
-pub(super) fn threshold(allowed: f64) -> f32 {
-    (ZERO + STEPS * allowed.log2()).floor() as f32
+fn threshold(allowed: f64) -> f32 {
+    // 0/0, no error allowed of no light: nothing depends on it.
+    if allowed.is_nan() { f32::INFINITY } else { (ZERO + STEPS * allowed.log2()).floor() as f32 }
 }
 
 /// What a factor of the error adds to its code, rounded up.
@@ -70,6 +208,8 @@ pub(super) struct Gauge {
     interpolation: Interpolation,
     shapes: Vec<Shape>,
     radius: f64,
+    /// See [`spread`].
+    spread: f64,
 }
 
 /// Values of a function, or the components of a vector.
@@ -90,7 +230,12 @@ impl Gauge {
         };
         let blocks = layout.shapes();
         let radius = blocks.iter().map(|&block| layout.radius(block)).fold(0.0, f64::max);
-        Self { interpolation: interpolation.clone(), shapes: blocks.iter().map(shape).collect(), radius }
+        Self {
+            interpolation: interpolation.clone(),
+            shapes: blocks.iter().map(shape).collect(),
+            radius,
+            spread: spread(layout.blocks()),
+        }
     }
 
     /// The largest radius of a block.
@@ -98,39 +243,44 @@ impl Gauge {
         self.radius
     }
 
-    /// Root mean squares of the error of 0, 1, 4 and 16 samples, over pixels `first`, `first` + `stride`, … of a shape.
+    /// The errors over every `stride`-th pixel of a shape.
     ///
     /// `f` is None below the horizon, where no pixel counts and no sample can be taken.
-    fn errors(&self, shape: &Shape, stride: usize, f: impl Fn(&Vector3<f64>) -> Option<Values>) -> [f64; 4] {
-        let mut sums = [0.0; 4];
+    fn errors(&self, shape: &Shape, stride: usize, f: impl Fn(&Vector3<f64>) -> Option<Values>) -> Errors {
         let nodes = shape.nodes.each_ref().map(|nodes| nodes.iter().map(&f).collect::<Option<Vec<Values>>>());
+        let (mut rms, mut bias, mut mean) = ([0.0; 4], [Values::zeros(); 4], [0.0; 4]);
+        let mut count = 0.0;
         // A stride of 3 does not divide a row: all columns have their turn.
-        let pixels = shape.pixels.iter().skip(stride / 2).step_by(stride);
-        let mut count = 0;
-        for (direction, pixel) in pixels {
-            count += 1;
+        for (direction, pixel) in shape.pixels.iter().skip(stride / 2).step_by(stride) {
+            count += 1.0;
             let Some(value) = f(direction) else { continue };
-            sums[0] += value.norm_squared();
-            for ((sum, nodes), level) in sums[1..].iter_mut().zip(&nodes).zip(self.interpolation.levels()) {
-                if let Some(nodes) = nodes {
-                    let guess: Values = nodes.iter().zip(&level.cardinals).map(|(v, c)| v * c[*pixel]).sum();
-                    *sum += (value - guess).norm_squared();
-                }
+            for k in 0..4 {
+                let guess = match k {
+                    0 => Values::zeros(),
+                    _ => {
+                        let Some(nodes) = &nodes[k - 1] else { continue };
+                        let cardinals = &self.interpolation.levels()[k - 1].cardinals;
+                        nodes.iter().zip(cardinals).map(|(v, c)| v * c[*pixel]).sum()
+                    }
+                };
+                let error: Values = value - guess;
+                rms[k] += error.norm_squared();
+                mean[k] += error.norm();
+                bias[k] += error;
             }
         }
-        let mut errors = sums.map(|sum| (sum / f64::from(count)).sqrt());
-        for (error, nodes) in errors[1..].iter_mut().zip(&nodes) {
-            if nodes.is_none() {
-                *error = f64::INFINITY;
-            }
+        // What is left out is of one sign: such errors add up over the blocks, others average out.
+        let never = |k: usize, x: f64| match k {
+            0 => x * self.spread,
+            _ if nodes[k - 1].is_none() => f64::INFINITY,
+            _ => x,
+        };
+        Errors {
+            rms: std::array::from_fn(|k| never(k, (rms[k] / count).sqrt())),
+            bias: std::array::from_fn(|k| never(k, bias[k].norm() / count)),
+            mean: std::array::from_fn(|k| never(k, mean[k] / count)),
         }
-        errors
     }
-}
-
-/// The largest of two sets of errors.
-fn worst(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
-    std::array::from_fn(|k| a[k].max(b[k]))
 }
 
 /// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
@@ -144,11 +294,11 @@ pub(super) const MIRROR_CELLS: usize = 128;
 
 impl MirrorBounds {
     /// Errors of max(cos, 0)^n at the edges of the cells.
-    pub(super) fn edges(gauge: &Gauge, exponent: f64) -> Vec<[f64; 4]> {
+    pub(super) fn edges(gauge: &Gauge, exponent: f64) -> Vec<Errors> {
         let edge = |i: usize| {
             let theta = 2.0 * (i as f64 / MIRROR_CELLS as f64).min(1.0).asin();
             let azimuths = (0..4).map(|k| (k as f64 * 0.5 + 0.25) * std::f64::consts::FRAC_PI_2);
-            let mut most = [0.0; 4];
+            let mut most = Errors::default();
             for azimuth in azimuths {
                 let (s, c) = theta.sin_cos();
                 let mirror = Vector3::new(s * azimuth.cos(), s * azimuth.sin(), c);
@@ -156,7 +306,7 @@ impl MirrorBounds {
                     let lobe = |d: &Vector3<f64>| {
                         Some(d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0))
                     };
-                    most = worst(most, gauge.errors(shape, 1, lobe));
+                    most = most.worst(gauge.errors(shape, 1, lobe));
                 }
             }
             most
@@ -165,10 +315,9 @@ impl MirrorBounds {
     }
 
     /// The worse of two exponents' errors, and of a cell's two edges.
-    pub(super) fn between(low: &[[f64; 4]], high: &[[f64; 4]]) -> Self {
-        let both = |i: usize| worst(low[i], high[i]);
-        let cell = |i: usize| codes(worst(both(i), both(i + 1)));
-        Self { cells: (0..MIRROR_CELLS).map(cell).collect() }
+    pub(super) fn between(low: &[Errors], high: &[Errors]) -> Self {
+        let both = |i: usize| low[i].worst(high[i]);
+        Self { cells: (0..MIRROR_CELLS).map(|i| Codes::new(both(i).worst(both(i + 1)))).collect() }
     }
 
     pub(super) fn cells(&self) -> &[Codes] {
@@ -191,7 +340,7 @@ impl WideBounds {
     pub(super) fn new(gauge: &Gauge, brdf: &dyn Brdf, isotropic: bool) -> Self {
         let counts = Self::counts(isotropic);
         let raw = each(counts.iter().product(), |cell| Self::measure(gauge, brdf, isotropic, cell));
-        let cells = (0..raw.len()).map(|cell| codes(Self::widest(&raw, isotropic, cell))).collect();
+        let cells = (0..raw.len()).map(|cell| Codes::new(Self::widest(&raw, isotropic, cell))).collect();
         Self { isotropic, cells }
     }
 
@@ -202,7 +351,7 @@ impl WideBounds {
     pub(super) fn worse(mut self, other: &Self) -> Self {
         assert_eq!(self.isotropic, other.isotropic, "bounds of lobes of one kind");
         for (a, b) in self.cells.iter_mut().zip(&other.cells) {
-            a.iter_mut().zip(b).for_each(|(a, b)| *a = (*a).max(*b));
+            *a = a.worse(*b);
         }
         self
     }
@@ -222,7 +371,7 @@ impl WideBounds {
     }
 
     /// The errors with viewer and block in the middle of their cells.
-    fn measure(gauge: &Gauge, brdf: &dyn Brdf, isotropic: bool, cell: usize) -> [f64; 4] {
+    fn measure(gauge: &Gauge, brdf: &dyn Brdf, isotropic: bool, cell: usize) -> Errors {
         let counts = Self::counts(isotropic);
         let parts = Self::split(isotropic, cell);
         let coloured = brdf.colour().is_none();
@@ -231,7 +380,7 @@ impl WideBounds {
         let centre =
             Unit::new_normalize(direction(at(2) * Self::lowest(gauge), at(3) * if isotropic { 2.0 } else { 4.0 }));
         let place = Rotation3::rotation_between(&Vector3::z_axis(), &centre).unwrap_or_else(Rotation3::identity);
-        let mut most = [0.0; 4];
+        let mut most = Errors::default();
         for roll in [0.0, std::f64::consts::FRAC_PI_4] {
             let turn = place * Rotation3::from_axis_angle(&Vector3::z_axis(), roll);
             for shape in [&gauge.shapes[0], &gauge.shapes[gauge.shapes.len() - 1]] {
@@ -240,7 +389,7 @@ impl WideBounds {
                     let value = (wi.z > 0.0).then(|| brdf.eval(&wi, &wo) * wi.z);
                     value.map(|v| if coloured { v } else { Vector3::new(v.max(), 0.0, 0.0) })
                 };
-                most = worst(most, gauge.errors(shape, 3, value));
+                most = most.worst(gauge.errors(shape, 3, value));
             }
         }
         most
@@ -252,7 +401,7 @@ impl WideBounds {
     }
 
     /// The largest errors of a cell and its neighbours: azimuths go round, or are mirrored at the ends of a half.
-    fn widest(raw: &[[f64; 4]], isotropic: bool, cell: usize) -> [f64; 4] {
+    fn widest(raw: &[Errors], isotropic: bool, cell: usize) -> Errors {
         let counts = Self::counts(isotropic);
         let parts = Self::split(isotropic, cell);
         let near = |k: usize| {
@@ -273,12 +422,12 @@ impl WideBounds {
             };
             [before, p, after]
         };
-        let mut most = [0.0; 4];
+        let mut most = Errors::default();
         for a in near(0) {
             for b in near(1) {
                 for c in near(2) {
                     for d in near(3) {
-                        most = worst(most, raw[((a * counts[1] + b) * counts[2] + c) * counts[3] + d]);
+                        most = most.worst(raw[((a * counts[1] + b) * counts[2] + c) * counts[3] + d]);
                     }
                 }
             }
@@ -364,7 +513,7 @@ fn direction(half_sine: f64, diamond: f64) -> Vector3<f64> {
 }
 
 /// Runs `one` for 0…count, in parallel.
-fn each(count: usize, one: impl Fn(usize) -> [f64; 4] + Send + Sync) -> Vec<[f64; 4]> {
+fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors> {
     #[cfg(feature = "rayon")]
     return (0..count).into_par_iter().map(one).collect();
     #[cfg(not(feature = "rayon"))]

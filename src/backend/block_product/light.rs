@@ -2,8 +2,10 @@
 
 use nalgebra::Vector3;
 
+use super::bounds::Norms;
 use super::interpolation::{Basis, Interpolation};
 use super::layout::BlockLayout;
+use super::tables::{Eight, GROUP};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
@@ -36,10 +38,10 @@ pub struct LightForms {
     pub(super) nodes: Vec<Record>,
     /// [block][place]
     pub(super) moments: Vec<Record>,
-    /// R, G, B: [block][place].
-    pub(super) texels: [Vec<f32>; 3],
-    /// √(pixels Σ |L Ω|²) of the brightest channel of each block: |Σ L V e| is at most this times the root mean square of e.
-    pub(super) norms: Vec<f64>,
+    /// [block][group of eight places] R, G, B
+    pub(super) texels: Vec<Eight<3>>,
+    /// [block]
+    pub(super) norms: Vec<Norms>,
     /// Σ L Ω / 4π of the brightest channel.
     pub(super) mean: f64,
     is_dark: bool,
@@ -70,8 +72,8 @@ impl LightForms {
             weights: [(); 3].map(|()| vec![0.0; layout.blocks() * NODES]),
             nodes: vec![[0.0; 12]; len],
             moments: vec![[0.0; 12]; len],
-            texels: [(); 3].map(|()| vec![0.0; len]),
-            norms: vec![0.0; layout.blocks()],
+            texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
+            norms: vec![Norms::default(); layout.blocks()],
             mean: 0.0,
             is_dark: true,
             layout: layout.clone(),
@@ -99,8 +101,8 @@ impl LightForms {
 
     /// Bytes of all forms.
     pub fn bytes(&self) -> usize {
-        let texels: usize = self.texels.iter().chain(&self.weights).map(|plane| size_of_val(&plane[..])).sum();
-        texels + size_of_val(&self.nodes[..]) + size_of_val(&self.moments[..])
+        let weights: usize = self.weights.iter().map(|plane| size_of_val(&plane[..])).sum();
+        weights + size_of_val(&self.texels[..]) + size_of_val(&self.nodes[..]) + size_of_val(&self.moments[..])
     }
 
     /// Weights of the 1, 4 and 16 samples of a block, of one channel.
@@ -131,12 +133,10 @@ impl LightForms {
         let mut total = [0.0; 3];
         for block in 0..self.layout.blocks() {
             self.set_block(block, light.texels(), &mut pixels);
-            let mut norm = 0.0_f64;
             for (pixels, total) in pixels.iter().zip(&mut total) {
                 *total += pixels.iter().map(|x| x.abs()).sum::<f64>();
-                norm = norm.max(pixels.iter().map(|x| x * x).sum::<f64>());
             }
-            self.norms[block] = (norm * len as f64).sqrt();
+            self.norms[block] = pixels.iter().map(|p| Norms::new(p)).fold(Norms::default(), Norms::larger);
             self.set_weights(block, &pixels);
         }
         self.mean = total.into_iter().fold(0.0, f64::max) / (4.0 * std::f64::consts::PI);
@@ -161,7 +161,7 @@ impl LightForms {
             for channel in 0..3 {
                 let value = f64::from(radiance[channel]) * solid;
                 pixels[channel][pixel] = value;
-                self.texels[channel][at] = value as f32;
+                self.texels[at / GROUP][channel][at % GROUP] = value as f32;
                 for (k, (cardinal, axis)) in four.into_iter().zip([x, y, z, 0.0]).enumerate() {
                     nodes[4 * channel + k] += value * cardinal;
                     moments[4 * channel + k] += value * axis;

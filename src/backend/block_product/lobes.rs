@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::bounds::{Gauge, MirrorBounds, WideBounds, offset};
+use super::bounds::{Errors, Gauge, MirrorBounds, WideBounds, offset};
 use super::rule::Rule;
 use crate::Result;
 use crate::scene::{BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
@@ -46,6 +46,7 @@ pub(super) enum Sampling {
     Mirror {
         bounds: Arc<MirrorBounds>,
         offset: f32,
+        inverse_exponent: f32,
     },
     Wide {
         bounds: Arc<WideBounds>,
@@ -60,7 +61,7 @@ pub(super) struct Planner {
     rule: Rule,
     brdfs: Vec<Arc<dyn Brdf>>,
     plans: Vec<Plan>,
-    edges: HashMap<i32, Arc<Vec<[f64; 4]>>>,
+    edges: HashMap<i32, Arc<Vec<Errors>>>,
     mirror: HashMap<i32, Arc<MirrorBounds>>,
     wide: HashMap<(Kind, [i32; 2]), Arc<WideBounds>>,
 }
@@ -134,9 +135,12 @@ impl Planner {
             Rule::Bounded { .. } => Ok(match model {
                 // Cosines are not lobes under this rule.
                 Model::Lambert => Sampling::Pixels,
-                Model::Phong(phong) => {
-                    Sampling::Mirror { bounds: self.mirror(phong.exponent()), offset: offset(factor) }
-                }
+                Model::Phong(phong) => Sampling::Mirror {
+                    bounds: self.mirror(phong.exponent()),
+                    offset: offset(factor),
+                    // An exponent of 0 leaves out nothing: 2^(−∞ · 1e30) = 0.
+                    inverse_exponent: (1.0 / phong.exponent().max(1e-30)) as f32,
+                },
                 Model::Other(brdf) => {
                     let bounds = Arc::new(WideBounds::new(&self.gauge, brdf.as_ref(), brdf.is_isotropic()));
                     Sampling::Wide { bounds, offset: offset(weight) }

@@ -1,22 +1,20 @@
 //! The sums of one vertex: algorithm 1 [Inger 2013] for one lobe, and the cosine of all lobes together.
 
 use super::light::{LightForms, NODES, Record};
-use super::samples::{Planes, Samples, sum};
-use super::tables::Directions;
-use super::visible::Visible;
-use crate::compress::MapState;
+use super::samples::{Samples, Sums, reflect};
+use super::tables::{Directions, GROUP};
+use super::visible::{GroupBits, MOST_PLACES, Visible};
 use crate::scene::Kernel;
-
-/// From how many places on a run is summed where it lies instead of being copied to the list.
-const LONG_RUN: usize = 48;
-/// Places copied at a time.
-const PIECE: usize = 256;
 
 /// Σ L V ω of a few vertices, block by block: a block's sums stay in the first cache while all vertices look them up.
 pub(super) struct Moments<'a, V> {
     pub(super) maps: &'a V,
     pub(super) light: &'a LightForms,
     pub(super) first: usize,
+    /// [block]: a bit for each vertex that sees some of it.
+    pub(super) live: &'a [u32],
+    /// A bit for each vertex whose sums are wanted.
+    pub(super) wanted: u32,
     pub(super) sums: &'a mut [Record],
 }
 
@@ -26,12 +24,23 @@ impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let (blocks, len) = (self.light.layout().blocks(), self.light.layout().block_len());
-        for (block, table) in self.light.moments.chunks_exact(len).enumerate() {
-            for (i, sum) in self.sums.iter_mut().enumerate() {
-                self.maps.add((self.first + i) * blocks + block, table, sum);
+        for (block, (table, live)) in self.light.moments.chunks_exact(len).zip(self.live).enumerate() {
+            let mut vertices = live & self.wanted;
+            while vertices != 0 {
+                let i = vertices.trailing_zeros() as usize;
+                vertices &= vertices - 1;
+                self.maps.add((self.first + i) * blocks + block, table, &mut self.sums[i]);
             }
         }
     }
+}
+
+/// A block that is not hidden.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Live {
+    pub(super) block: u32,
+    /// Whether all of it is visible.
+    pub(super) free: bool,
 }
 
 /// Σ L V ρ cos of one vertex and lobe.
@@ -41,13 +50,15 @@ pub(super) struct LobeSum<'a, const N: usize, K, V> {
     pub(super) maps: &'a V,
     /// The vertex's map of block 0.
     pub(super) first: usize,
-    /// Blocks that are not hidden.
-    pub(super) live: &'a [u16],
+    pub(super) live: &'a [Live],
     /// Samples of each block: none, 1, 4, 16, pixels.
     pub(super) classes: &'a [u8],
     pub(super) light: &'a LightForms,
     pub(super) directions: &'a Directions,
     pub(super) samples: &'a mut Samples,
+    /// Room for the visibility of a block.
+    pub(super) levels: &'a mut [[f32; GROUP]],
+    pub(super) cut: Option<Cut<'a>>,
 }
 
 impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N, K, V> {
@@ -56,21 +67,21 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(mut self, _: S) -> [f64; 3] {
         let mut total = [0.0; 3];
-        for &block in self.live {
-            let block = usize::from(block);
+        for &Live { block, free } in self.live {
+            let block = block as usize;
             let class = self.classes[block];
             if class == 0 {
                 continue;
             }
-            if !self.samples.has_room(PIECE) {
+            if !self.samples.has_room(16) {
                 add(&mut total, self.samples.drain(self.kernel, self.normal));
             }
-            match (class, self.maps.state(self.first + block)) {
-                (1, MapState::AllOne) => self.coefficients::<1>(block, 0),
-                (2, MapState::AllOne) => self.coefficients::<4>(block, 1),
-                (3, MapState::AllOne) => self.coefficients::<16>(block, 5),
+            match (class, free) {
+                (1, true) => self.coefficients::<1>(block, 0),
+                (2, true) => self.coefficients::<4>(block, 1),
+                (3, true) => self.coefficients::<16>(block, 5),
                 (1 | 2, _) => self.sums(block, class == 1),
-                _ => self.pixels(block, &mut total),
+                _ => self.pixels(block, free, &mut total),
             }
         }
         add(&mut total, self.samples.drain(self.kernel, self.normal));
@@ -109,44 +120,66 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
         }
     }
 
-    /// Line 11: every pixel that is not hidden.
+    /// Line 11: every pixel that is not hidden and not left out.
     #[inline(always)]
-    fn pixels(&mut self, block: usize, total: &mut [f64; 3]) {
-        let first = block * self.light.layout().block_len();
-        let mut index = 0;
-        while let Some((run, level)) = self.maps.run(self.first + block, index) {
-            index += 1;
-            if level == 1.0 && run.len() >= LONG_RUN {
-                add(
-                    total,
-                    sum(
-                        self.kernel,
-                        self.normal,
-                        planes(self.light, self.directions, first + run.start, first + run.end),
-                    ),
-                );
-            } else if level > 0.0 {
-                for from in run.clone().step_by(PIECE) {
-                    let to = run.end.min(from + PIECE);
-                    if !self.samples.has_room(to - from) {
-                        add(total, self.samples.drain(self.kernel, self.normal));
+    fn pixels(&mut self, block: usize, free: bool, total: &mut [f64; 3]) {
+        let len = self.light.layout().block_len();
+        let (count, first) = (len / GROUP, block * len / GROUP);
+        let mut groups = GroupBits::all(count);
+        if !free {
+            self.maps.expand(self.first + block, &mut self.levels[..count], &mut groups);
+        }
+        if let Some(cut) = self.cut {
+            groups = groups.and(cut.near(block, self.directions, count));
+        }
+        let mut sums = Sums::default();
+        while let Some(group) = groups.pop() {
+            let mut values = reflect(self.kernel, self.normal, &self.directions.pixels[first + group]);
+            if !free {
+                let levels = &self.levels[group];
+                for values in &mut values {
+                    for lane in 0..GROUP {
+                        values[lane] *= levels[lane];
                     }
-                    let (light, directions) = (self.light, self.directions);
-                    self.samples.extend(planes(light, directions, first + from, first + to), level);
                 }
             }
+            let texels = &self.light.texels[first + group];
+            sums.add(&values, [&texels[0], &texels[1], &texels[2]]);
         }
+        add(total, sums.total());
+    }
+}
+
+/// Leaves out groups that are too far from the mirror direction to matter.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut<'a> {
+    pub(super) mirror: [f32; 3],
+    /// [block]: the least cosine of a group's centre.
+    pub(super) least: &'a [f32],
+}
+
+impl Cut<'_> {
+    /// The groups of a block that count.
+    #[inline(always)]
+    fn near(self, block: usize, directions: &Directions, count: usize) -> GroupBits {
+        let range = block * count..(block + 1) * count;
+        let [x, y, z] = directions.groups.each_ref().map(|plane| &plane[range.clone()]);
+        let least = self.least[block];
+        let mut near = [0_u8; MOST_PLACES / GROUP];
+        for (((&x, &y), &z), near) in x.iter().zip(y).zip(z).zip(&mut near) {
+            *near = u8::from(x * self.mirror[0] + y * self.mirror[1] + z * self.mirror[2] >= least);
+        }
+        let mut groups = GroupBits::default();
+        for (g, &near) in near[..count].iter().enumerate() {
+            if near != 0 {
+                groups.set(g);
+            }
+        }
+        groups
     }
 }
 
 #[inline(always)]
 fn add(total: &mut [f64; 3], part: [f64; 3]) {
     total.iter_mut().zip(part).for_each(|(total, part)| *total += part);
-}
-
-/// Directions and light of places.
-#[inline(always)]
-fn planes<'a>(light: &'a LightForms, directions: &'a Directions, start: usize, end: usize) -> Planes<'a> {
-    let ([x, y, z], [r, g, b]) = (&directions.pixels, &light.texels);
-    [&x[start..end], &y[start..end], &z[start..end], &r[start..end], &g[start..end], &b[start..end]]
 }

@@ -4,17 +4,17 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::bounds::{Gauge, MIRROR_CELLS, threshold};
+use super::bounds::{Gauge, Limits, MIRROR_CELLS, spread};
 use super::interpolation::Basis;
 use super::light::{LightForms, Record};
 use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
-use super::products::{LobeSum, Moments};
+use super::products::{Cut, Live, LobeSum, Moments};
 use super::rule::{PIXELS, Rule, fixed};
 use super::samples::Samples;
 use super::stats::FrameStats;
-use super::tables::Directions;
+use super::tables::{Directions, GROUP as PLACES};
 use super::transport::{Transport, with_maps};
-use super::visible::Visible;
+use super::visible::{MOST_PLACES, Visible};
 use crate::compress::MapState;
 use crate::error::check_length;
 use crate::scene::{Axes, Camera, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
@@ -47,10 +47,14 @@ pub struct Relighter<'a> {
     directions: Directions,
     planner: Planner,
     /// [block]
-    thresholds: Vec<f32>,
+    limits: Vec<Limits>,
     radius: f64,
+    /// Cosine and sine of the radius of a group of places.
+    group_radius: [f32; 2],
     scratch: Vec<Scratch>,
     needed: Vec<bool>,
+    /// [group of vertices][block]: a bit for each vertex that sees some of the block.
+    live: Vec<u32>,
     arch: pulp::Arch,
 }
 
@@ -58,13 +62,29 @@ pub struct Relighter<'a> {
 #[derive(Debug, Clone)]
 struct Scratch {
     samples: Samples,
-    live: Vec<u16>,
+    live: Vec<Live>,
+    /// [block]
     classes: Vec<u8>,
     cells: Vec<u8>,
+    least: Vec<f32>,
+    levels: Vec<[f32; PLACES]>,
 }
 
 /// Vertices whose cosine sums are taken together.
-const GROUP: usize = 32;
+const GROUP: usize = u32::BITS as usize;
+
+/// Which vertices of each group see some of each block.
+fn live<V: Visible>(maps: &V, vertices: usize, blocks: usize) -> Vec<u32> {
+    let mut live = vec![0; vertices.div_ceil(GROUP) * blocks];
+    for vertex in 0..vertices {
+        for block in 0..blocks {
+            if maps.state(vertex * blocks + block) != MapState::AllZero {
+                live[vertex / GROUP * blocks + block] |= 1 << (vertex % GROUP);
+            }
+        }
+    }
+    live
+}
 
 impl<'a> Relighter<'a> {
     /// A relighter without light.
@@ -84,22 +104,27 @@ impl<'a> Relighter<'a> {
         let light = LightForms::new(layout, settings.basis)?;
         let gauge = Gauge::new(layout, light.interpolation());
         let radius = gauge.radius();
+        let directions = Directions::new(layout, light.interpolation());
         let scratch = Scratch {
             samples: Samples::new(),
             live: Vec::with_capacity(layout.blocks()),
             classes: vec![0; layout.blocks()],
             cells: vec![0; layout.blocks()],
+            least: vec![-1.0; layout.blocks()],
+            levels: vec![[0.0; PLACES]; MOST_PLACES / PLACES],
         };
         Ok(Self {
             mesh,
             transport,
             settings,
-            directions: Directions::new(layout, light.interpolation()),
+            group_radius: [directions.group_radius.cos() as f32, directions.group_radius.sin() as f32],
+            directions,
             planner: Planner::new(gauge, settings.rule),
-            thresholds: vec![0.0; layout.blocks()],
+            limits: vec![Limits::default(); layout.blocks()],
             radius,
             scratch: vec![scratch; pieces()],
             needed: Vec::new(),
+            live: with_maps!(transport.maps(), maps => live(maps, expected, layout.blocks())),
             arch: pulp::Arch::new(),
             light,
         })
@@ -112,10 +137,10 @@ impl<'a> Relighter<'a> {
     pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         self.light.set(light)?;
         if let Rule::Bounded { tolerance } = self.settings.rule {
-            let allowed = tolerance * self.light.mean / (self.thresholds.len() as f64 / 2.0).sqrt();
-            for (limit, &norm) in self.thresholds.iter_mut().zip(&self.light.norms) {
-                // In a block without light anything goes.
-                *limit = if norm > 0.0 { threshold(allowed / norm) } else { f32::INFINITY };
+            let blocks = self.limits.len();
+            let allowed = tolerance * self.light.mean / spread(blocks);
+            for (limits, norms) in self.limits.iter_mut().zip(&self.light.norms) {
+                *limits = Limits::new(allowed, norms, blocks);
             }
         }
         Ok(())
@@ -208,7 +233,7 @@ struct Seen {
 
 impl Frame<'_, '_> {
     fn run<V: Visible>(self, maps: &V, scratch: &mut [Scratch], out: &mut [Vector3<f32>]) {
-        let piece = out.len().div_ceil(scratch.len()).max(1);
+        let piece = out.len().div_ceil(scratch.len()).next_multiple_of(GROUP);
         let run = |(index, (out, scratch)): (usize, (&mut [Vector3<f32>], &mut Scratch))| {
             for (group, out) in out.chunks_mut(GROUP).enumerate() {
                 self.group(maps, index * piece + group * GROUP, scratch, out);
@@ -230,15 +255,19 @@ impl Frame<'_, '_> {
 
     /// The radiance of a few vertices in a row.
     fn group<V: Visible>(self, maps: &V, first: usize, scratch: &mut Scratch, out: &mut [Vector3<f32>]) {
+        let seen: [Option<Seen>; GROUP] =
+            std::array::from_fn(|i| if i < out.len() { self.seen(first + i) } else { None });
+        let is_diffuse = |i: &usize| seen[*i].is_some() && self.plan(first + i).diffuse != Vector3::zeros();
+        let wanted = (0..GROUP).filter(is_diffuse).fold(0, |bits, i| bits | 1 << i);
         let mut moments = [[0.0; 12]; GROUP];
-        // Neighbours mostly share a material, so that all or none of a group is needed.
-        if (first..first + out.len()).any(|v| self.is_needed(v) && self.plan(v).diffuse != Vector3::zeros()) {
-            let sums: &mut [Record] = &mut moments[..out.len()];
-            self.relighter.arch.dispatch(Moments { maps, light: &self.relighter.light, first, sums });
+        if wanted != 0 {
+            let Relighter { light, live, limits, arch, .. } = self.relighter;
+            let live = &live[first / GROUP * limits.len()..][..limits.len()];
+            arch.dispatch(Moments { maps, light, first, live, wanted, sums: &mut moments });
         }
-        for (i, (radiance, moments)) in out.iter_mut().zip(&moments).enumerate() {
-            *radiance = match self.seen(first + i) {
-                Some(seen) => self.vertex(maps, first + i, &seen, moments, scratch).cast(),
+        for (i, (radiance, (seen, moments))) in out.iter_mut().zip(seen.iter().zip(&moments)).enumerate() {
+            *radiance = match seen {
+                Some(seen) => self.vertex(maps, first + i, seen, moments, scratch).cast(),
                 None => Vector3::zeros(),
             };
         }
@@ -280,57 +309,56 @@ impl Frame<'_, '_> {
     }
 
     fn find_live<V: Visible>(self, maps: &V, vertex: usize, scratch: &mut Scratch) {
-        let blocks = self.relighter.thresholds.len();
+        let blocks = self.relighter.limits.len();
         scratch.live.clear();
-        let live = (0..blocks).filter(|block| maps.state(vertex * blocks + block) != MapState::AllZero);
-        scratch.live.extend(live.map(|block| block as u16));
+        for block in 0..blocks {
+            match maps.state(vertex * blocks + block) {
+                MapState::AllZero => {}
+                state => scratch.live.push(Live { block: block as u32, free: state == MapState::AllOne }),
+            }
+        }
     }
 
-    /// The number of samples of each live block.
+    /// The number of samples of each live block, and which of its pixels count if it takes them.
     fn classify(self, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) {
-        let Relighter { directions, thresholds, arch, .. } = self.relighter;
-        let mirror = || {
-            let local = seen.axes.to_local(&seen.wo);
-            narrow(&seen.axes.to_world(&Vector3::new(-local.x, -local.y, local.z)))
-        };
+        let Relighter { directions, limits, arch, .. } = self.relighter;
+        let Scratch { live, classes, cells, least, .. } = scratch;
         match &lobe.sampling {
-            Sampling::Pixels => scratch.classes.fill(PIXELS),
+            Sampling::Pixels => classes.fill(PIXELS),
             Sampling::Fixed(exponent) => {
-                let (mirror, classes) = (mirror(), fixed(*exponent));
+                let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
                 let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
                 let limits = &directions.limits[usize::from(sound)];
-                for &block in &scratch.live {
-                    let block = usize::from(block);
+                for block in live.iter().map(|live| live.block as usize) {
                     let cosine = dot(mirror, at(&directions.centres, block));
                     let [near, middle] = limits[block];
-                    scratch.classes[block] = classes[if cosine > near {
-                        0
-                    } else if cosine > middle {
-                        1
-                    } else {
-                        2
-                    }];
+                    classes[block] = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
                 }
             }
-            Sampling::Mirror { bounds, offset } => {
-                arch.dispatch(MirrorCells {
-                    mirror: mirror(),
-                    centres: &directions.centres,
-                    cells: &mut scratch.cells,
-                });
-                for &block in &scratch.live {
-                    let block = usize::from(block);
-                    let codes = bounds.cells()[usize::from(scratch.cells[block])];
-                    scratch.classes[block] = class(codes, thresholds[block] - offset);
+            Sampling::Mirror { bounds, offset, inverse_exponent } => {
+                arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
+                for &Live { block, free } in live.iter() {
+                    let block = block as usize;
+                    let codes = &bounds.cells()[usize::from(cells[block])];
+                    let limits = &limits[block];
+                    let class = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
+                    classes[block] = class;
+                    if class == PIXELS || class == PIXELS - 1 && !free {
+                        // cos^n θ below what a pixel may reflect, for all of a group.
+                        let cosine = (limits.darkness(*offset) * inverse_exponent).min(0.0).exp2();
+                        let (sine, [c, s]) = ((1.0 - cosine * cosine).sqrt(), self.relighter.group_radius);
+                        least[block] = if cosine > -c { cosine * c - sine * s } else { -1.0 };
+                    }
                 }
             }
             Sampling::Wide { bounds, offset } => {
                 let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
-                for &block in &scratch.live {
-                    let block = usize::from(block);
+                for &Live { block, free } in live.iter() {
+                    let block = block as usize;
                     let centre = Vector3::from(at(&directions.centres, block)).cast();
                     let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    scratch.classes[block] = class(codes, thresholds[block] - offset);
+                    let limits = &limits[block];
+                    classes[block] = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
                 }
             }
         }
@@ -345,40 +373,27 @@ impl Frame<'_, '_> {
         scratch: &mut Scratch,
     ) -> Vector3<f64> {
         let (axes, wo) = (&seen.axes, &seen.wo);
+        let cut = matches!(lobe.sampling, Sampling::Mirror { .. }).then(|| seen.mirror());
+        let run = LobeRun { frame: self, vertex, seen, cut };
         let sum = match &lobe.model {
-            Model::Lambert => Some(self.lobe_sum::<1, _, _>(Cosine, maps, vertex, seen, scratch)),
-            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
-            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
-            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| self.lobe_sum(k, maps, vertex, seen, scratch)),
+            Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
+            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
+            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
+            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
             Model::CookTorrance(ggx) => ggx.facets(axes, wo).map(|facets| match facets {
-                Reflectance::Grey(k) => self.lobe_sum(k, maps, vertex, seen, scratch),
-                Reflectance::Coloured(k) => self.lobe_sum(k, maps, vertex, seen, scratch),
+                Reflectance::Grey(k) => run.sum(k, maps, scratch),
+                Reflectance::Coloured(k) => run.sum(k, maps, scratch),
             }),
             Model::Other(brdf) => {
-                let kernel = Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) };
-                Some(self.lobe_sum(kernel, maps, vertex, seen, scratch))
+                Some(run.sum(Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) }, maps, scratch))
             }
         };
         Vector3::from(sum.unwrap_or_default())
     }
 
-    fn lobe_sum<const N: usize, K: Kernel<N>, V: Visible>(
-        self,
-        kernel: K,
-        maps: &V,
-        vertex: usize,
-        seen: &Seen,
-        scratch: &mut Scratch,
-    ) -> [f64; 3] {
-        let Scratch { samples, live, classes, .. } = scratch;
-        let Relighter { light, directions, arch, .. } = self.relighter;
-        let (normal, first) = (seen.normal, vertex * light.layout().blocks());
-        arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples })
-    }
-
     fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
         let mut stats = FrameStats::default();
-        let blocks = self.relighter.thresholds.len();
+        let blocks = self.relighter.limits.len();
         let mut most = vec![0_u8; blocks];
         for vertex in 0..self.relighter.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
@@ -387,8 +402,7 @@ impl Frame<'_, '_> {
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
                 self.classify(lobe, &seen, scratch);
-                for &block in &scratch.live {
-                    let block = usize::from(block);
+                for block in scratch.live.iter().map(|live| live.block as usize) {
                     most[block] = most[block].max(scratch.classes[block]);
                 }
             }
@@ -397,6 +411,34 @@ impl Frame<'_, '_> {
             stats.vertices += 1;
         }
         stats
+    }
+}
+
+/// One lobe at one vertex.
+struct LobeRun<'r, 'f, 'a> {
+    frame: Frame<'f, 'a>,
+    vertex: usize,
+    seen: &'r Seen,
+    /// The mirror direction, if pixels far from it are left out.
+    cut: Option<[f32; 3]>,
+}
+
+impl LobeRun<'_, '_, '_> {
+    fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
+        let Scratch { samples, live, classes, least, levels, .. } = scratch;
+        let Relighter { light, directions, arch, .. } = self.frame.relighter;
+        let first = self.vertex * light.layout().blocks();
+        let cut = self.cut.map(|mirror| Cut { mirror, least });
+        let normal = self.seen.normal;
+        arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples, levels, cut })
+    }
+}
+
+impl Seen {
+    /// The direction to the viewer, mirrored.
+    fn mirror(&self) -> [f32; 3] {
+        let local = self.axes.to_local(&self.wo);
+        narrow(&self.axes.to_world(&Vector3::new(-local.x, -local.y, local.z)))
     }
 }
 
@@ -416,14 +458,6 @@ fn one_block(state: MapState, class: u8) -> FrameStats {
         _ => (stats.pixels, stats.samples) = (1, [0, 0, 0, 1]),
     }
     stats
-}
-
-/// The fewest samples whose error is allowed.
-#[inline(always)]
-fn class(codes: [u8; 4], limit: f32) -> u8 {
-    // A cast to integer saturates; an error of 0 is always allowed.
-    let limit = limit.min(254.0) as u8;
-    codes.iter().map(|&code| u8::from(code > limit)).sum()
 }
 
 /// The cell of each block in a table over the angle to the mirror direction.

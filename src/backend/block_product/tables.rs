@@ -1,16 +1,27 @@
 //! Directions of blocks, structure of arrays.
 
+use nalgebra::Vector3;
+
 use super::interpolation::Interpolation;
 use super::layout::BlockLayout;
 use super::light::NODES;
 
+/// Places that are taken or left together.
+pub(super) const GROUP: usize = 8;
+
+/// N numbers of each place of a group.
+pub(super) type Eight<const N: usize> = [[f32; GROUP]; N];
+
 /// Directions that do not change with light, view or materials.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// [block][place]
-    pub(super) pixels: [Vec<f32>; 3],
+    /// [block][group of eight places] x, y, z
+    pub(super) pixels: Vec<Eight<3>>,
     /// [block][node of 1, 4, 16]
     pub(super) nodes: [Vec<f32>; 3],
+    /// [block][eight places on end], and the largest angle of such a group.
+    pub(super) groups: [Vec<f32>; 3],
+    pub(super) group_radius: f64,
     /// [block]
     pub(super) centres: [Vec<f32>; 3],
     /// [block]: cosines of π/8 and π/4, of the angles and of what a block's radius leaves of them.
@@ -23,15 +34,25 @@ impl Directions {
         let mut all = Self {
             pixels: Default::default(),
             nodes: Default::default(),
+            groups: Default::default(),
+            group_radius: 0.0,
             centres: Default::default(),
             limits: Default::default(),
         };
-        let push = |planes: &mut [Vec<f32>; 3], d: nalgebra::Vector3<f64>| {
+        let push = |planes: &mut [Vec<f32>; 3], d: Vector3<f64>| {
             planes.iter_mut().zip(d.iter()).for_each(|(plane, &c)| plane.push(c as f32));
         };
         for block in 0..layout.blocks() {
-            for &texel in layout.texels(block) {
-                push(&mut all.pixels, layout.grid().direction(texel as usize).into_inner());
+            for texels in layout.texels(block).chunks_exact(GROUP) {
+                let places = texels.iter().map(|&t| layout.grid().direction(t as usize).into_inner());
+                let centre = places.clone().sum::<Vector3<f64>>().normalize();
+                push(&mut all.groups, centre);
+                let mut eight = [[0.0; GROUP]; 3];
+                for (lane, d) in places.clone().enumerate() {
+                    eight.iter_mut().zip(d.iter()).for_each(|(axis, &c)| axis[lane] = c as f32);
+                }
+                all.pixels.push(eight);
+                all.group_radius = places.map(|d| d.angle(&centre)).fold(all.group_radius, f64::max);
             }
             for node in interpolation.levels().iter().flat_map(|level| &level.nodes) {
                 push(&mut all.nodes, layout.direction(block, node[0], node[1]));
