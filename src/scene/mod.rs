@@ -16,7 +16,7 @@ mod visibility;
 
 pub use brdf::{
     AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
-    Phong, Structure, Sum, Ward,
+    Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
 pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
 pub use bvh::{Bvh, Hit};

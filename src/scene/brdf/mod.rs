@@ -9,6 +9,7 @@
 //! | [`CookTorrance`], GGX [Walter 2007, Heitz 2014] | F₀, α_x, α_y | yes | ≤ 1 (single scattering) | f32 kernel |
 //! | [`AshikhminShirley`] [2000] | R_d, R_s, n_u, n_v | yes | ≤ 1 | through `eval` |
 //! | [`Merl`], measured [Matusik 2003] | file | as measured | as measured | through `eval` |
+//! | [`TabulatedBrdf`], any as a table | BRDF, rings | no | mean of its | through `eval` |
 //! | [`Sum`] | weights and models | as its terms | weighted sum | its terms' |
 //! | [`BrdfFn`] | a closure | as the closure | as the closure | through `eval` |
 //!
@@ -23,6 +24,7 @@ mod merl;
 mod phong;
 mod spec;
 mod sum;
+mod tabulated;
 mod ward;
 
 use std::fmt::Debug;
@@ -39,6 +41,7 @@ pub use merl::{Merl, MerlLookup};
 pub use phong::{BlinnPhong, Phong};
 pub use spec::BrdfSpec;
 pub use sum::{BrdfFn, Sum};
+pub use tabulated::TabulatedBrdf;
 pub use ward::Ward;
 
 use super::Frame;
