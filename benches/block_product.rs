@@ -24,7 +24,10 @@ const MATERIALS: [(&str, [&str; 5]); 5] = [
         "exponents to 200",
         ["lambert:0.7", "phong:200:0.3+lambert:0.4", "phong:50:0.3+lambert:0.4", "phong:100:0.3", "phong:10:0.3"],
     ),
-    ("Ward .15 .3", ["lambert:0.7", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3"]),
+    (
+        "Ward .15 .3",
+        ["lambert:0.7", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3"],
+    ),
     ("GGX .2", ["lambert:0.7", "ggx:0.2", "ggx:0.2", "ggx:0.2", "ggx:0.2"]),
 ];
 

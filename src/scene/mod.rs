@@ -18,6 +18,7 @@ pub use brdf::{
     AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
     Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
+#[cfg(feature = "block_product")]
 pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;

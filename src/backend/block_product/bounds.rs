@@ -176,7 +176,7 @@ const ZERO: f64 = 200.0;
 /// Rounded up: an error is never less than its code says.
 fn code(error: f64) -> u8 {
     match error {
-        e if e == 0.0 => 0,
+        0.0 => 0,
         e if e < f64::INFINITY => (ZERO + STEPS * e.log2()).ceil().clamp(1.0, f64::from(NEVER)) as u8,
         _ => NEVER,
     }

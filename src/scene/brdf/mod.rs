@@ -15,6 +15,11 @@
 //!
 //! [`BrdfSpec`] reads the command-line forms (`phong:50+lambert:0.4`).
 
+#![cfg_attr(
+    not(feature = "block_product"),
+    allow(dead_code, unused_imports, reason = "kernels of single directions are for one back end")
+)]
+
 mod ashikhmin;
 mod directions;
 mod ggx;
