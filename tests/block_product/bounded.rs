@@ -11,8 +11,8 @@ use haarmonic::sphere::CubeMap;
 use proptest::prelude::*;
 
 use crate::support::{
-    above, baker, cases, constant, frame, in_turn, layout, lobe, mean, noise, noisy, of_sky, one_texel, patchwork, sky,
-    soup, view,
+    Axes, above, baker, cases, constant, frame, grid, in_turn, layout, lobe, mean, noise, noisy, of_sky, one_texel,
+    patchwork, sky, soup, view,
 };
 
 struct Shot<'a> {
@@ -34,18 +34,28 @@ impl Shot<'_> {
         let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), basis };
         frame((self.mesh, self.transport), settings, self.light, &self.view, self.materials)
     }
+}
 
-    /// The largest error of a vertex in units of what it may be: tolerance × mean radiance for each block, divided by √(blocks/2), adds
-    /// up over the half of the blocks that is above a horizon.
-    fn worst(&self, truth: &[Vector3<f64>], tolerance: f64, basis: Basis) -> f64 {
-        let allowed = tolerance * mean(self.light) * (0.5 * self.transport.layout().blocks() as f64).sqrt();
-        let off = |(got, want): (&Vector3<f32>, &Vector3<f64>)| {
-            // What f32 makes of the exact sum is not the rule's.
-            let off = (got.cast::<f64>() - want).amax() - 2e-6 * want.amax();
-            if off.is_finite() { off / allowed } else { f64::INFINITY }
-        };
-        self.frame(tolerance, basis).iter().zip(truth).map(off).fold(0.0, f64::max)
+impl Shot<'_> {
+    /// How much of the allowed error there is against every pixel in the same `f32`, which the rule has no part in.
+    fn worst(&self, tolerance: f64, basis: Basis) -> f64 {
+        let settings = Settings { rule: Rule::Pixels, basis };
+        let pixels = frame((self.mesh, self.transport), settings, self.light, &self.view, self.materials);
+        let pixels: Vec<Vector3<f64>> = pixels.iter().map(|l| l.cast()).collect();
+        worst(&self.frame(tolerance, basis), &pixels, tolerance * mean(self.light), self.transport)
     }
+}
+
+/// The largest error of a vertex in units of what it may be: `each`, tolerance × mean radiance, of all blocks, divided by √(blocks/2), adds
+/// up over the half of the blocks that is above a horizon.
+fn worst(radiance: &[Vector3<f32>], truth: &[Vector3<f64>], each: f64, transport: &Transport) -> f64 {
+    let allowed = each * (0.5 * transport.layout().blocks() as f64).sqrt();
+    let off = |(got, want): (&Vector3<f32>, &Vector3<f64>)| {
+        // What f32 makes of the exact sum is not the rule's.
+        let off = (got.cast::<f64>() - want).amax() - 2e-6 * want.amax();
+        if off.is_finite() { off.max(0.0) / allowed } else { f64::INFINITY }
+    };
+    radiance.iter().zip(truth).map(off).fold(0.0, f64::max)
 }
 
 #[test]
@@ -66,29 +76,41 @@ fn errors_stay_within_the_tolerance() {
     let materials = in_turn(&lobes, vertices);
     let view = View::eye(model.camera.eye().cast()).unwrap();
     let maps = baker(&model.mesh, 32).bake(&()).unwrap();
-    for block in [8, 16] {
+    let lights = [
+        ("sky", sky(32)),
+        ("sunset", of_sky(Sky::sunset(), 32)),
+        ("studio", of_sky(Sky::studio(), 32)),
+        // High above, to the side.
+        ("one texel", one_texel(32, 2 * 1024 + 200)),
+        ("constant", constant(32, 2.0)),
+    ];
+    let truth = lights.each_ref().map(|(_, light)| {
+        let truth = GroundTruth { mesh: &model.mesh, materials: &materials, view: &view, light };
+        truth.radiance(&TexelVisibility::Binary(&maps), &()).unwrap()
+    });
+    let mut largest = 0.0_f64;
+    for (block, tolerance, basis) in [
+        (8, 0.05, Basis::Polynomial),
+        (8, 0.4, Basis::Polynomial),
+        (16, 0.005, Basis::Cosine),
+        (16, 0.05, Basis::Polynomial),
+        (16, 0.4, Basis::Polynomial),
+    ] {
         let transport = Transport::from_binary(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
-        for (name, light) in [
-            ("sky", sky(32)),
-            ("sunset", of_sky(Sky::sunset(), 32)),
-            ("studio", of_sky(Sky::studio(), 32)),
-            // Above the table, to the side.
-            ("one texel", one_texel(32, 2 * 1024 + 200)),
-            ("constant", constant(32, 2.0)),
-        ] {
-            let shot = Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
-            let truth = shot.truth();
-            for basis in [Basis::Polynomial, Basis::Cosine] {
-                for tolerance in [0.005, 0.05, 0.4] {
-                    let worst = shot.worst(&truth, tolerance, basis);
-                    if std::env::var("SHOW").is_ok() {
-                        eprintln!("{block} {name} {basis:?} {tolerance}: {worst:.4}");
-                    }
-                    assert!(worst <= 1.0, "{name}, {basis:?}, tolerance {tolerance}: {worst} of what is allowed");
-                }
-            }
+        let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), basis };
+        let mut relighter = Relighter::new(&model.mesh, &transport, settings).unwrap();
+        let mut radiance = vec![Vector3::zeros(); vertices];
+        for ((name, light), truth) in lights.iter().zip(&truth) {
+            assert!(truth.iter().any(|l| l.max() > 0.0));
+            relighter.set_light(light).unwrap();
+            relighter.relight(&view, &materials, &mut radiance).unwrap();
+            let worst = worst(&radiance, truth, tolerance * mean(light), &transport);
+            largest = largest.max(worst);
+            assert!(worst <= 1.0, "{name}, {basis:?}, tolerance {tolerance}: {worst} of what is allowed");
         }
     }
+    // Measured 0.12, under the sunset with blocks of 16² and tolerance 0.4: errors of blocks mostly cancel.
+    assert!(largest > 0.03, "the bound is idle: {largest}");
 }
 
 #[test]
@@ -129,14 +151,19 @@ fn the_default_is_better_than_45_db() {
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
     let truth = shot.truth();
     let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
+    // Measured 53, 67 and 96 dB.
     for (k, exponent) in exponents.into_iter().enumerate() {
         let of: (Vec<_>, Vec<_>) = truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(3).unzip();
         let psnr = Comparison::new(&of.0, &of.1).unwrap().psnr_db;
-        if std::env::var("SHOW").is_ok() {
-            eprintln!("exponent {exponent}: {psnr:.1} dB");
-        }
         assert!(psnr >= 45.0, "exponent {exponent}: {psnr:.1} dB");
     }
+}
+
+/// The texel that a vertex shows its viewer as a mirror does.
+fn mirrored(mesh: &Mesh, side: usize, vertex: usize) -> usize {
+    let axes = Axes::new(&mesh.frame(vertex));
+    let (normal, wo) = (axes.normal(), view().wo(&mesh.positions()[vertex]));
+    grid(side).nearest(&(normal * (2.0 * normal.dot(&wo)) - wo))
 }
 
 proptest! {
@@ -147,14 +174,15 @@ proptest! {
         kind in 0..4_usize,
         width in 0.0..1.0_f64,
         block in prop::sample::select(vec![8_usize, 16, 32]),
-        light in 0..5_usize,
+        light in 0..7_usize,
         seed in 0..10_000_usize,
         tolerance in (-7.0..0.0_f64).prop_map(f64::exp),
+        basis in prop::sample::select(vec![Basis::Polynomial, Basis::Cosine]),
     ) {
         let mesh = soup(6);
         let rgb = [0.9, 0.3, 0.6];
-        // From nearly flat to needles; 0 is flat.
-        let exponent = if width < 0.1 { 0.0 } else { (9.0 * width - 1.5).exp() };
+        // From flat to e^8.3, four times the texels of a face, beyond which lobes are lost between texels.
+        let exponent = if width < 0.1 { 0.0 } else { (9.8 * width - 1.5).exp() };
         let alpha = (1.0 / (1.0 + exponent)).sqrt().max(0.02);
         let materials = match kind {
             0 => Materials::uniform(Phong::new(rgb, exponent).unwrap()),
@@ -167,16 +195,40 @@ proptest! {
             1 => noisy(32, seed),
             2 => one_texel(32, seed % (6 * 32 * 32)),
             3 => constant(32, 0.3),
-            _ => of_sky(Sky::studio(), 32),
+            4 => of_sky(Sky::studio(), 32),
+            // Where some vertex reflects the viewer to: the worst that can be missed.
+            _ => one_texel(32, mirrored(&mesh, 32, seed % 18)),
         };
         let cut = patchwork(32, block, seed);
         let maps = above(&mesh, 32, |v, texel| noise(seed + v) < 0.3 || cut(v, texel));
         let transport = Transport::from_binary(&maps, &layout(32, block, ScanOrder::Hilbert)).unwrap();
         let shot = Shot { mesh: &mesh, maps: &maps, transport: &transport, view: view(), materials: &materials, light: &light };
-        let truth = shot.truth();
-        for basis in [Basis::Polynomial, Basis::Cosine] {
-            let worst = shot.worst(&truth, tolerance, basis);
-            prop_assert!(worst <= 1.0, "{:?}: {} of what is allowed", basis, worst);
+        let worst = shot.worst(tolerance, basis);
+        prop_assert!(worst <= 1.0, "{} of what is allowed", worst);
+    }
+}
+
+/// Lobes far narrower than a texel.
+#[test]
+#[ignore = "defect: lobes of exponents beyond 4 side² fall between the places where errors are measured"]
+fn needles_are_not_lost() {
+    let mesh = soup(40);
+    let maps = above(&mesh, 64, |_, _| true);
+    let transport = Transport::from_binary(&maps, &layout(64, 32, ScanOrder::Hilbert)).unwrap();
+    let materials = Materials::uniform(Phong::new([0.9, 0.3, 0.6], 3e4).unwrap());
+    for tolerance in [0.005, 0.05, 0.5] {
+        for seed in 0..4 {
+            let light = noisy(64, seed);
+            let shot = Shot {
+                mesh: &mesh,
+                maps: &maps,
+                transport: &transport,
+                view: view(),
+                materials: &materials,
+                light: &light,
+            };
+            let worst = shot.worst(tolerance, Basis::Polynomial);
+            assert!(worst <= 1.0, "tolerance {tolerance}, light {seed}: {worst} of what is allowed");
         }
     }
 }

@@ -98,16 +98,15 @@ impl Shot<'_> {
         {
             let settings = Settings { rule: Rule::Fixed { sound }, basis };
             let got = frame((self.mesh, transport), settings, &self.light, &self.view, materials);
-            let want: Vec<_> =
-                (0..got.len()).map(|v| self.reference(v, materials.brdf(v), sound, basis)).collect();
+            let want: Vec<_> = (0..got.len()).map(|v| self.reference(v, materials.brdf(v), sound, basis)).collect();
             let largest = want.iter().map(|l| l.amax()).fold(0.0, f64::max);
-            let worst = got.iter().zip(&want).map(|(a, b)| (a.cast::<f64>() - b).amax()).fold(0.0, f64::max);
-            if std::env::var("SHOW").is_ok() {
-                eprintln!("{what} {basis:?} {sound}: {:e} of {largest}", worst / largest);
-            }
             for (v, (got, want)) in got.iter().zip(&want).enumerate() {
                 let off = (got.cast::<f64>() - want).amax();
-                assert!(off <= 2e-6 * largest, "{what}, {basis:?}, sound {sound}, vertex {v}: off by {off:e} of {largest}");
+                // f32 against f64: measured 1.3e-6, mostly 2e-7.
+                assert!(
+                    off <= 3e-6 * largest,
+                    "{what}, {basis:?}, sound {sound}, vertex {v}: off by {off:e} of {largest}"
+                );
             }
         }
     }
@@ -119,9 +118,12 @@ fn the_fixed_rule_is_algorithm_1() {
     let mesh = soup(26);
     let vertices = mesh.positions().len();
     let materials = in_turn(&lobes(), vertices);
-    for (side, block, order) in
-        [(32, 8, ScanOrder::Serpentine), (32, 16, ScanOrder::Hilbert), (32, 32, ScanOrder::RowMajor), (48, 16, ScanOrder::Hilbert)]
-    {
+    for (side, block, order) in [
+        (32, 8, ScanOrder::Serpentine),
+        (32, 16, ScanOrder::Hilbert),
+        (32, 32, ScanOrder::RowMajor),
+        (48, 16, ScanOrder::Hilbert),
+    ] {
         let cut = patchwork(side, block, 11 * side + block);
         let maps = visibility(side, vertices, &cut);
         let transport = Transport::from_binary(&maps, &layout(side, block, order)).unwrap();
@@ -181,10 +183,13 @@ fn the_twins_interpolants_hold_their_basis() {
             assert!(at.windows(2).all(|p| p[1] - p[0] == (side / along) as f64));
             for basis in [Basis::Cosine, Basis::Polynomial] {
                 let table = twin::cardinals(side, along, basis);
-                let wave = |x: f64| ((2.0 * x + 1.0) * (along - 1) as f64 * std::f64::consts::PI / (2 * side) as f64).cos();
+                let wave =
+                    |x: f64| ((2.0 * x + 1.0) * (along - 1) as f64 * std::f64::consts::PI / (2 * side) as f64).cos();
                 let held = |x: f64, y: f64| match basis {
                     Basis::Cosine => (1.0 + wave(x)) * (0.3 - wave(y)),
-                    Basis::Polynomial => (x / 5.0 - 1.0).powi(along as i32 - 1) * (2.0 - y / 7.0).powi(along as i32 - 1),
+                    Basis::Polynomial => {
+                        (x / 5.0 - 1.0).powi(along as i32 - 1) * (2.0 - y / 7.0).powi(along as i32 - 1)
+                    }
                 };
                 for pixel in 0..side * side {
                     let got: f64 =

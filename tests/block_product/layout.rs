@@ -55,9 +55,8 @@ fn directions_are_those_of_the_grid() {
             assert!((layout.radius(b) - radius).abs() <= 1e-15);
             // Nothing of a block is farther than its corners: its edges are arcs of great circles.
             let edge = |i: usize| i as f64 * 0.125 * block as f64 - 0.5;
-            let farthest = (0..81)
-                .map(|i| centre.angle(&layout.direction(b, edge(i % 9), edge(i / 9))))
-                .fold(0.0, f64::max);
+            let farthest =
+                (0..81).map(|i| centre.angle(&layout.direction(b, edge(i % 9), edge(i / 9)))).fold(0.0, f64::max);
             assert!((farthest - radius).abs() <= 1e-15, "{side}/{block}, block {b}: {farthest} {radius}");
         }
     }
@@ -79,11 +78,8 @@ fn other_sides_are_refused() {
     }
     for (side, block) in [(1, 8), (4, 8), (12, 8), (24, 16), (40, 32), (48, 32), (100, 8)] {
         let got = BlockLayout::new(grid(side), block, ScanOrder::RowMajor);
-        let expected = Error::OutOfRange {
-            what: "side of the cube map",
-            got: side as f64,
-            allowed: "a multiple of the block's",
-        };
+        let expected =
+            Error::OutOfRange { what: "side of the cube map", got: side as f64, allowed: "a multiple of the block's" };
         assert_eq!(got, Err(expected));
     }
 }

@@ -51,8 +51,7 @@ fn weights_of_every_level_add_up_to_the_light() {
         forms.set(&light).unwrap();
         for c in 0..3 {
             for level in [0..1, 1..5, 5..21] {
-                let sum: f64 =
-                    (0..24).flat_map(|b| &forms.weights(c, b)[level.clone()]).map(|&w| f64::from(w)).sum();
+                let sum: f64 = (0..24).flat_map(|b| &forms.weights(c, b)[level.clone()]).map(|&w| f64::from(w)).sum();
                 // 384 roundings of weights that are a tenth of a block's light each.
                 assert!((sum / total[c] - 1.0).abs() < 1e-7, "{basis:?} {level:?}: {sum} against {}", total[c]);
             }

@@ -178,12 +178,10 @@ pub fn lobe(brdf: impl Brdf + 'static) -> Arc<dyn Brdf> {
 /// What a BRDF is the weighted sum of, sums of sums included.
 pub fn terms(brdf: &dyn Brdf) -> Vec<(f64, &dyn Brdf)> {
     match brdf.structure() {
-        Structure::Sum(terms) => {
-            terms
-                .iter()
-                .flat_map(|(weight, term)| self::terms(term.as_ref()).into_iter().map(move |(w, b)| (weight * w, b)))
-                .collect()
-        }
+        Structure::Sum(terms) => terms
+            .iter()
+            .flat_map(|(weight, term)| self::terms(term.as_ref()).into_iter().map(move |(w, b)| (weight * w, b)))
+            .collect(),
         _ => vec![(1.0, brdf)],
     }
 }

@@ -27,8 +27,7 @@ fn holds(transport: &Transport, visibility: &BinaryVisibility, what: &str) {
     }
 }
 
-const SIZES: [(usize, usize); 8] =
-    [(8, 8), (16, 16), (32, 32), (48, 8), (48, 16), (64, 8), (64, 32), (128, 16)];
+const SIZES: [(usize, usize); 8] = [(8, 8), (16, 16), (32, 32), (48, 8), (48, 16), (64, 8), (64, 32), (128, 16)];
 
 #[test]
 fn binary_maps_come_back_bit_for_bit() {
@@ -94,7 +93,11 @@ fn gray_maps_are_rounded_to_levels_and_hidden_below_the_horizon() {
             let layout = layout(side, block, order);
             let transport = Transport::from_fractional(&counts, &mesh, bits, &layout).unwrap();
             let what = format!("{side}/{block}, {samples}² samples, {bits} bits, {order:?}");
-            assert_eq!(transport, Transport::bake_gray(&baker, &mesh, &layout, (samples, bits), &()).unwrap(), "{what}");
+            assert_eq!(
+                transport,
+                Transport::bake_gray(&baker, &mesh, &layout, (samples, bits), &()).unwrap(),
+                "{what}"
+            );
             assert_eq!((transport.vertices(), u32::from(transport.top())), (60, top));
             for v in 0..60 {
                 let normal = mesh.normals()[v].cast::<f64>();
