@@ -210,7 +210,6 @@ proptest! {
 
 /// Lobes far narrower than a texel.
 #[test]
-#[ignore = "defect: lobes of exponents beyond 4 side² fall between the places where errors are measured"]
 fn needles_are_not_lost() {
     let mesh = soup(40);
     let maps = above(&mesh, 64, |_, _| true);
@@ -269,5 +268,5 @@ fn tolerances_that_are_none_are_refused() {
         assert_eq!(Relighter::new(&two, &transport, Settings::default()).unwrap_err(), expected);
     }
     assert_eq!(Rule::bounded(0.25), Ok(Rule::bounded(0.25).unwrap()));
-    assert_eq!(Rule::default(), Rule::bounded(0.05).unwrap());
+    assert_eq!(Rule::default(), Rule::bounded(0.1).unwrap());
 }

@@ -193,7 +193,6 @@ fn pixels_of_the_flattest_and_the_sharpest_lobes() {
 }
 
 #[test]
-#[ignore = "defect: a block whose corner alone is within a right angle of the mirror direction may count as dark"]
 fn no_error_of_the_flattest_and_the_sharpest_lobes() {
     extreme_lobes(&[no_error()]);
 }

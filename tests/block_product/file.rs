@@ -147,7 +147,6 @@ fn bits_that_are_flipped_under_a_good_checksum_do_no_harm() {
 
 /// A side that lies.
 #[test]
-#[ignore = "defect: the layout of 2.4 million blocks, 600 MB, is made before anything shows that the file is damaged"]
 fn a_side_that_lies_costs_no_time() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("blocks.bin");

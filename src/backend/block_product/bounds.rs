@@ -41,6 +41,22 @@ impl Errors {
     }
 }
 
+impl Errors {
+    /// The errors where a function reaches `nearest` somewhere in a block of `side`²: if less was measured than one pixel of that
+    /// makes, the places of measurement missed it.
+    fn with_a_pixel_of(mut self, nearest: f64, side: usize) -> Self {
+        let (rms, mean) = (nearest / side as f64, nearest / (side * side) as f64);
+        if self.rms[0] < rms {
+            for k in 0..4 {
+                self.rms[k] = self.rms[k].max(rms);
+                self.bias[k] = self.bias[k].max(mean);
+                self.mean[k] = self.mean[k].max(mean);
+            }
+        }
+        self
+    }
+}
+
 /// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the eighth root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Codes {
@@ -208,6 +224,8 @@ pub(super) struct Gauge {
     interpolation: Interpolation,
     shapes: Vec<Shape>,
     radius: f64,
+    /// Pixels along an edge of a block.
+    side: usize,
     /// See [`spread`].
     spread: f64,
 }
@@ -234,6 +252,7 @@ impl Gauge {
             interpolation: interpolation.clone(),
             shapes: blocks.iter().map(shape).collect(),
             radius,
+            side,
             spread: spread(layout.blocks()),
         }
     }
@@ -309,7 +328,10 @@ impl MirrorBounds {
                     most = most.worst(gauge.errors(shape, 1, lobe));
                 }
             }
-            most
+            // From here to the next edge towards the mirror direction.
+            let before = 2.0 * ((i as f64 - 1.0) / MIRROR_CELLS as f64).max(0.0).asin();
+            let nearest = (before - gauge.radius).max(0.0).cos();
+            most.with_a_pixel_of(if nearest > 0.0 { nearest.powf(exponent) } else { 0.0 }, gauge.side)
         };
         each(MIRROR_CELLS + 1, edge)
     }
@@ -392,7 +414,10 @@ impl WideBounds {
                 most = most.worst(gauge.errors(shape, 3, value));
             }
         }
-        most
+        // The peak of a lobe that is narrower than a pixel.
+        let mirror = Vector3::new(-wo.x, -wo.y, wo.z);
+        let peak = if mirror.angle(&centre) <= gauge.radius { brdf.eval(&mirror, &wo).max() * mirror.z } else { 0.0 };
+        most.with_a_pixel_of(peak, gauge.side)
     }
 
     /// sin(θ/2) of the lowest centre of a block that still reaches the horizon.

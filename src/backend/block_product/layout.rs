@@ -29,17 +29,21 @@ pub struct BlockLayout {
 }
 
 impl BlockLayout {
+    /// The largest side of a cube map.
+    pub const MAX_SIDE: usize = 1024;
+
     /// Cuts `grid` into blocks of `side`².
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless `side` is 8, 16 or 32 and divides the side of the grid.
+    /// [`Error::OutOfRange`] unless `side` is 8, 16 or 32 and divides the side of the grid, which is at most
+    /// [`MAX_SIDE`](Self::MAX_SIDE).
     pub fn new(grid: CubeGrid, side: usize, order: ScanOrder) -> Result<Self> {
         if ![8, 16, 32].contains(&side) {
             return Err(Error::OutOfRange { what: "side of a block", got: side as f64, allowed: "8, 16 or 32" });
         }
-        if grid.side() % side != 0 {
-            let got = grid.side() as f64;
-            return Err(Error::OutOfRange { what: "side of the cube map", got, allowed: "a multiple of the block's" });
+        if grid.side() % side != 0 || grid.side() > Self::MAX_SIDE {
+            let (got, allowed) = (grid.side() as f64, "a multiple of the block's, at most 1024");
+            return Err(Error::OutOfRange { what: "side of the cube map", got, allowed });
         }
         let scan = Scan::new(order, side, side)?;
         let along = grid.side() / side;

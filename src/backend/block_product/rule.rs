@@ -45,9 +45,9 @@ impl Rule {
 }
 
 impl Default for Rule {
-    /// Bounded by 0.3: 47 dB and more on the built-in scenes (docs/block_product.md).
+    /// Bounded by 0.1: better than 45 dB for Phong exponents up to 200 (docs/block_product.md).
     fn default() -> Self {
-        Self::Bounded { tolerance: 0.3 }
+        Self::Bounded { tolerance: 0.1 }
     }
 }
 
