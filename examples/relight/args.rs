@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
+use haarmonic::backend::block_product::Rule;
 use haarmonic::haar::Keep;
 use haarmonic::nalgebra::Vector3;
 
-/// A mesh lit by an environment map: wavelet relighting next to ground truth.
+/// A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
 ///
 /// Without arguments: the built-in scene under the built-in sky, all methods, a contact sheet in out/relight.png.
 #[derive(Debug, Parser)]
@@ -20,9 +21,14 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "torus-knot", conflicts_with = "mesh")]
     pub scene: BuiltIn,
 
-    /// Vertices of the built-in scene (a mesh file keeps its own)
-    #[arg(long, value_name = "N", default_value_t = 12_000)]
-    pub vertices: usize,
+    /// Vertices of the built-in scene (a mesh file keeps its own) [default: 12000; with --paper 100000]
+    #[arg(long, value_name = "N")]
+    pub vertices: Option<usize>,
+
+    /// The comparison of Inger 2013: wavelet-triple and block-product only; the table with its chairs, the floor Lambert and
+    /// Phong exponents 10, 50, 100, 200 over Lambert on the rest
+    #[arg(long, conflicts_with_all = ["mesh", "scene", "method", "brdf"])]
+    pub paper: bool,
 
     /// Environment: a file (HDR, EXR, PNG; lat-long or cube strip), or the built-in `sky`, `sunset` or `studio`
     #[arg(long, value_name = "FILE|NAME", default_value = "sky")]
@@ -61,9 +67,30 @@ pub struct Args {
     #[arg(long, value_name = "fly|N", default_value = "fly")]
     pub slices: Slices,
 
-    /// Frames to time; the environment turns by 360°/N each frame
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    pub frames: usize,
+    /// block-product: edge of a block in texels, 8, 16 or 32 [default: 16, or the resolution if that is less]
+    #[arg(long, value_name = "N")]
+    pub block: Option<usize>,
+
+    /// block-product: what chooses how many samples a block of reflectance gets
+    #[arg(long, value_enum, default_value = "bounded")]
+    pub rule: Sampling,
+
+    /// block-product, rule bounded: error of a vertex in units of the light's mean radiance; less is better and slower
+    #[arg(long, value_name = "T", default_value_t = tolerance(), allow_negative_numbers = true)]
+    pub tolerance: f64,
+
+    /// block-product: visibility of 2^B levels, B from 2 to 8, instead of two. The ground truth it is compared with keeps
+    /// two levels, as for the other methods; with a larger --truth-resolution the gain shows
+    #[arg(long, value_name = "B")]
+    pub visibility_bits: Option<u32>,
+
+    /// block-product: rays along a texel's edge for --visibility-bits, from 1 to 15 (S² rays a texel)
+    #[arg(long, value_name = "S", default_value_t = 4, requires = "visibility_bits")]
+    pub visibility_samples: usize,
+
+    /// Frames to time; the environment turns by 360°/N each frame [default: 5; with --paper 3]
+    #[arg(long, value_name = "N")]
+    pub frames: Option<usize>,
 
     /// Where the viewer is, seen from the middle of the scene (a direction; default: the scene's own camera)
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
@@ -114,7 +141,7 @@ impl Args {
 
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
-        if self.frames == 0 {
+        if self.frames == Some(0) {
             return Err("--frames must be at least 1".to_owned());
         }
         if !(16..=4096).contains(&self.size) {
@@ -123,6 +150,9 @@ impl Args {
         if !self.resolution.is_power_of_two() || self.resolution > 256 {
             return Err(format!("--resolution must be a power of two of at most 256, got {}", self.resolution));
         }
+        if self.wants(Method::BlockProduct) {
+            self.check_blocks()?;
+        }
         if self.threads == Some(0) {
             return Err("--threads must be at least 1".to_owned());
         }
@@ -130,6 +160,57 @@ impl Args {
             return Err("--rotate-env and --exposure must be finite numbers".to_owned());
         }
         Ok(())
+    }
+
+    fn check_blocks(&self) -> Result<(), String> {
+        if self.resolution < 8 {
+            return Err(format!("--resolution must be at least 8 for block-product, got {}", self.resolution));
+        }
+        let block = self.block();
+        if ![8, 16, 32].contains(&block) || block > self.resolution {
+            return Err(format!("--block must be 8, 16 or 32 and at most --resolution, got {block}"));
+        }
+        if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {
+            return Err(format!("--tolerance must be a finite number of at least 0, got {}", self.tolerance));
+        }
+        if let Some(bits) = self.visibility_bits.filter(|bits| !(2..=8).contains(bits)) {
+            return Err(format!("--visibility-bits must be in 2...8, got {bits}"));
+        }
+        if !(1..=15).contains(&self.visibility_samples) {
+            return Err(format!("--visibility-samples must be in 1...15, got {}", self.visibility_samples));
+        }
+        Ok(())
+    }
+
+    /// Whether a method is to be run.
+    pub fn wants(&self, method: Method) -> bool {
+        if self.paper {
+            return matches!(method, Method::WaveletTriple | Method::BlockProduct);
+        }
+        self.method == Method::All || self.method == method
+    }
+
+    /// Vertices of the built-in scene.
+    pub fn vertices(&self) -> usize {
+        self.vertices.unwrap_or(if self.paper { 100_000 } else { 12_000 })
+    }
+
+    /// Frames to time.
+    pub fn frames(&self) -> usize {
+        self.frames.unwrap_or(if self.paper { 3 } else { 5 })
+    }
+
+    /// Edge of a block in texels.
+    pub fn block(&self) -> usize {
+        self.block.unwrap_or(self.resolution.min(16))
+    }
+}
+
+/// The back end's own.
+fn tolerance() -> f64 {
+    match Rule::default() {
+        Rule::Bounded { tolerance } => tolerance,
+        _ => 0.0,
     }
 }
 
@@ -147,6 +228,7 @@ pub enum BuiltIn {
 pub enum Method {
     WaveletDouble,
     WaveletTriple,
+    BlockProduct,
     Reference,
     All,
 }
@@ -157,6 +239,31 @@ pub enum Choice {
     Magnitude,
     Area,
     Integral,
+}
+
+/// What chooses the samples of a block.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Sampling {
+    /// The fewest within --tolerance
+    Bounded,
+    /// By the angle to the mirror direction, as the paper prints it
+    Fixed,
+    /// The same with the angle lessened by the block's radius
+    FixedSound,
+    /// Every pixel: the baseline
+    Pixels,
+}
+
+impl Sampling {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bounded => "bounded",
+            Self::Fixed => "fixed",
+            Self::FixedSound => "fixed-sound",
+            Self::Pixels => "pixels",
+        }
+    }
 }
 
 /// Where BRDF slices come from.

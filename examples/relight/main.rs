@@ -1,4 +1,4 @@
-//! A mesh lit by an environment map: wavelet relighting next to ground truth.
+//! A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
 //!
 //! `cargo run --release --features io,backends --example relight` lights the built-in scene with the built-in sky by every
 //! method, writes a contact sheet and prints the error and the time of each. `--help` lists the options.
@@ -41,6 +41,9 @@ fn run(args: &Args) -> Result<(), Failure> {
     );
     let run = Run::new(args, &scene)?;
     println!("\n{}", report::table(&run));
+    if let Some(table) = report::block_table(&run) {
+        println!("{table}");
+    }
     let sheet = pictures::contact_sheet(args, &scene, &run)?;
     pictures::save(args, &scene, &run, &sheet)?;
     report::save(args, &scene, &run)?;

@@ -6,6 +6,7 @@ use haarmonic::scene::{Bvh, Picture, ToneMap};
 
 use crate::args::Args;
 use crate::methods::{Outcome, Run};
+use crate::report;
 use crate::scene::Scene;
 use crate::support::Failure;
 use crate::support::sheet::{Panel, Sheet, heat};
@@ -76,9 +77,10 @@ fn caption(args: &Args, outcome: &Outcome) -> Vec<String> {
         db if db.is_finite() => format!("PSNR {db:.1} dB"),
         _ => "exact".to_owned(),
     };
-    let terms = match outcome.light_terms {
-        Some(n) => format!("{n} light terms ({}), by {:?}", args.terms, args.weighting).to_lowercase(),
-        None => "every texel".to_owned(),
+    let terms = match (outcome.light_terms, &outcome.blocks) {
+        (Some(n), _) => format!("{n} light terms ({}), by {:?}", args.terms, args.weighting).to_lowercase(),
+        (_, Some(blocks)) => report::settings(blocks),
+        _ => "every texel".to_owned(),
     };
     vec![format!("{}: {quality}, {:.1} ms a frame", outcome.method, outcome.relight_ms), terms]
 }

@@ -35,27 +35,34 @@ impl Scene {
             }
             None => {
                 let scene = match args.scene {
+                    _ if args.paper => Procedural::Table,
                     BuiltIn::TorusKnot => Procedural::TorusKnotOnFloor,
                     BuiltIn::Spheres => Procedural::StackedSpheres,
                     BuiltIn::Table => Procedural::Table,
                     BuiltIn::BasRelief => Procedural::BasRelief,
                 };
-                let model = scene.build(args.vertices)?;
+                let model = scene.build(args.vertices())?;
                 let camera = match args.view {
                     Some(view) => Camera::framing(&model.mesh, &view, &args.up, FIELD_OF_VIEW, 1.0)?,
                     None => model.camera,
                 };
                 let materials = match given {
                     Some(brdf) => Materials::uniform_shared(brdf),
-                    None => palette(model.part_names, model.parts.iter().map(|&p| u32::from(p)).collect())?,
+                    None => {
+                        let exponents: &[f64] = if args.paper { &PAPER } else { &[40.0] };
+                        let parts = model.parts.iter().map(|&p| u32::from(p)).collect();
+                        palette(model.part_names, parts, exponents)?
+                    }
                 };
                 (scene.name().to_owned(), model.mesh, camera, materials)
             }
         };
-        let brdf = args.brdf.clone().unwrap_or_else(|| match args.mesh {
-            Some(_) => "lambert:0.8".to_owned(),
-            None => "built-in".to_owned(),
+        let brdf = args.brdf.as_deref().unwrap_or(match args.mesh {
+            Some(_) => "lambert:0.8",
+            None if args.paper => "phong:10, 50, 100, 200 over lambert",
+            None => "built-in",
         });
+        let brdf = brdf.to_owned();
         let (light_name, light) = environment(&args.env)?;
         let light = light.with_rotation(turn(args.rotate_env));
         Ok(Self { name, mesh, materials, brdf, camera, light_name, light })
@@ -69,19 +76,24 @@ pub fn turn(degrees: f64) -> Rotation3<f64> {
 
 const FIELD_OF_VIEW: f64 = 0.6;
 
+/// Phong exponents of the paper's comparison: table, chairs, railing, fruit.
+const PAPER: [f64; 4] = [10.0, 50.0, 100.0, 200.0];
+
 fn diffuse() -> Lambert {
     Lambert::new(Vector3::repeat(0.8)).expect("an albedo below 1 is allowed")
 }
 
-/// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured.
-fn palette(names: &[&str], parts: Vec<u32>) -> Result<Materials, Failure> {
+/// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured; the parts take turns with the exponents.
+fn palette(names: &[&str], parts: Vec<u32>, exponents: &[f64]) -> Result<Materials, Failure> {
     let colours: [[f64; 3]; 4] = [[0.75, 0.24, 0.12], [0.15, 0.35, 0.6], [0.6, 0.5, 0.2], [0.25, 0.5, 0.3]];
     let brdf = |(i, name): (usize, &&str)| -> Result<Arc<dyn Brdf>, Failure> {
         if *name == "floor" || names.len() == 1 {
             return Ok(Arc::new(Lambert::new(Vector3::new(0.72, 0.7, 0.66))?));
         }
         let body: Arc<dyn Brdf> = Arc::new(Lambert::new(colours[i % colours.len()])?);
-        let gloss: Arc<dyn Brdf> = Arc::new(Phong::new(Vector3::repeat(0.2), 40.0)?);
+        // The floor comes first and has none.
+        let exponent = exponents[(i - 1) % exponents.len()];
+        let gloss: Arc<dyn Brdf> = Arc::new(Phong::new(Vector3::repeat(0.2), exponent)?);
         Ok(Arc::new(Sum::new(vec![(1.0, body), (1.0, gloss)])?))
     };
     Ok(Materials::new(names.iter().enumerate().map(brdf).collect::<Result<_, _>>()?, parts)?)

@@ -1,19 +1,19 @@
 //! Runs the methods and measures them against ground truth.
 
+mod block_product;
+mod wavelet;
+
+pub use block_product::Blocks;
+
 use std::time::Instant;
 
-use haarmonic::backend::wavelet::{
-    DoubleRelighter, DoubleSettings, DoubleTransport, Slices as BrdfSlices, TripleRelighter, TripleSettings,
-    TripleTransport,
-};
-use haarmonic::haar::Weighting;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
     BinaryVisibility, Comparison, GroundTruth, TexelVisibility, View, VisibilityBaker, VisibilitySettings,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
 
-use crate::args::{Args, Choice, Method, Slices};
+use crate::args::{Args, Method};
 use crate::scene::{Scene, turn};
 use crate::support::Failure;
 use crate::support::progress::Bar;
@@ -38,6 +38,7 @@ pub struct Outcome {
     pub transport_bytes: usize,
     /// Kept terms of the light, for the methods that choose.
     pub light_terms: Option<usize>,
+    pub blocks: Option<Blocks>,
 }
 
 impl Run {
@@ -48,8 +49,16 @@ impl Run {
         let bar = Bar::new("visibility");
         let visibility = baker.bake(&bar)?;
         let visibility_s = bar.finish();
-        let stage =
-            Stage { args, scene, view, grid, visibility: &visibility, visibility_s, light: scene.light.to_cube(grid) };
+        let stage = Stage {
+            args,
+            scene,
+            view,
+            grid,
+            baker: &baker,
+            visibility: &visibility,
+            visibility_s,
+            light: scene.light.to_cube(grid),
+        };
 
         let bar = Bar::new("ground truth");
         let start = Instant::now();
@@ -72,8 +81,7 @@ impl Run {
         };
 
         let mut results = Vec::new();
-        let wants = |method| args.method == Method::All || args.method == method;
-        if wants(Method::Reference) {
+        if args.wants(Method::Reference) {
             let radiance: Vec<Vector3<f32>> = reference.iter().map(|l| l.cast()).collect();
             results.push(Outcome {
                 method: "reference",
@@ -83,16 +91,28 @@ impl Run {
                 relight_ms: reference_ms,
                 transport_bytes: size_of_val(visibility.words()),
                 light_terms: None,
+                blocks: None,
             });
         }
-        if wants(Method::WaveletDouble) {
-            results.push(stage.double(&truth)?);
+        if args.wants(Method::WaveletDouble) {
+            results.push(wavelet::double(&stage, &truth)?);
         }
-        if wants(Method::WaveletTriple) {
-            results.push(stage.triple(&truth)?);
+        if args.wants(Method::WaveletTriple) {
+            results.push(wavelet::triple(&stage, &truth)?);
+        }
+        if args.wants(Method::BlockProduct) {
+            results.push(block_product::run(&stage, &truth)?);
         }
         Ok(Self { truth, results, visibility_s })
     }
+}
+
+/// The frames of a method.
+struct Frames {
+    /// The first frame's.
+    radiance: Vec<Vector3<f32>>,
+    first_ms: f64,
+    median_ms: f64,
 }
 
 /// What all methods share.
@@ -101,6 +121,7 @@ struct Stage<'a> {
     scene: &'a Scene,
     view: View,
     grid: CubeGrid,
+    baker: &'a VisibilityBaker,
     visibility: &'a BinaryVisibility,
     visibility_s: f64,
     light: CubeMap<Vector3<f32>>,
@@ -117,77 +138,22 @@ impl Stage<'_> {
         Ok(GroundTruth { mesh, materials, view: &self.view, light }.radiance(visibility, bar)?)
     }
 
-    fn weighting(&self) -> Weighting<'static, f32> {
-        match self.args.weighting {
-            Choice::Magnitude => Weighting::Magnitude,
-            Choice::Area => Weighting::Area,
-            Choice::Integral => Weighting::Integral,
-        }
-    }
-
-    fn double(&self, truth: &[Vector3<f64>]) -> Result<Outcome, Failure> {
-        let Scene { mesh, materials, .. } = self.scene;
-        let bar = Bar::new("wavelet-double: transport");
-        let settings = DoubleSettings::default();
-        let transport = DoubleTransport::bake(mesh, self.visibility, materials, &self.view, &settings, &bar)?;
-        let bake_s = self.visibility_s + bar.finish();
-        let mut relighter = DoubleRelighter::new(&transport)?;
-        let mut light_terms = 0;
-        let (radiance, relight_ms) = self.frames("wavelet-double: frames", |light, out| {
-            relighter.set_light(light, self.args.terms, self.weighting())?;
-            relighter.relight(out);
-            light_terms = relighter.light_terms();
-            Ok(())
-        })?;
-        let comparison = Comparison::new(truth, &radiance)?;
-        let transport_bytes = transport.bytes();
-        let light_terms = Some(light_terms);
-        Ok(Outcome { method: "wavelet-double", radiance, comparison, bake_s, relight_ms, transport_bytes, light_terms })
-    }
-
-    fn triple(&self, truth: &[Vector3<f64>]) -> Result<Outcome, Failure> {
-        let Scene { mesh, materials, .. } = self.scene;
-        let transport = TripleTransport::new(self.visibility.clone())?;
-        let slices = match self.args.slices {
-            Slices::Fly => BrdfSlices::Sampled,
-            Slices::Table(side) => BrdfSlices::Tabulated(side),
-        };
-        let settings = TripleSettings { light_terms: self.args.terms, brdf_terms: self.args.terms, slices };
-        let mut relighter = TripleRelighter::new(mesh, &transport, settings, self.weighting())?;
-        let mut light_terms = 0;
-        let (radiance, relight_ms) = self.frames("wavelet-triple: frames", |light, out| {
-            relighter.set_light(light)?;
-            relighter.relight(&self.view, materials, out)?;
-            light_terms = relighter.light_terms();
-            Ok(())
-        })?;
-        Ok(Outcome {
-            method: "wavelet-triple",
-            comparison: Comparison::new(truth, &radiance)?,
-            radiance,
-            bake_s: self.visibility_s,
-            relight_ms,
-            transport_bytes: transport.bytes() + relighter.table_bytes(),
-            light_terms: Some(light_terms),
-        })
-    }
-
-    /// The first frame's radiance and the median milliseconds of all frames, each under a light turned a little further.
+    /// Times `count` frames, each under a light turned a little further.
     fn frames(
         &self,
         title: &'static str,
+        count: usize,
         mut frame: impl FnMut(&CubeMap<Vector3<f32>>, &mut [Vector3<f32>]) -> Result<(), Failure>,
-    ) -> Result<(Vec<Vector3<f32>>, f64), Failure> {
-        let mut first = Vec::new();
+    ) -> Result<Frames, Failure> {
+        let mut radiance = Vec::new();
         let mut out = vec![Vector3::zeros(); self.scene.mesh.positions().len()];
         let mut times = Vec::new();
         let bar = Bar::new(title);
-        for i in 0..self.args.frames {
+        for i in 0..count {
             let light = match i {
                 0 => self.light.clone(),
                 _ => {
-                    let angle = 360.0 * i as f64 / self.args.frames as f64;
-                    let rotation = turn(angle) * self.scene.light.rotation();
+                    let rotation = turn(360.0 * i as f64 / count as f64) * self.scene.light.rotation();
                     self.scene.light.clone().with_rotation(rotation).to_cube(self.grid)
                 }
             };
@@ -195,12 +161,12 @@ impl Stage<'_> {
             frame(&light, &mut out)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
             if i == 0 {
-                first.clone_from(&out);
+                radiance.clone_from(&out);
             }
-            haarmonic::Progress::advance(&bar, i + 1, self.args.frames);
+            haarmonic::Progress::advance(&bar, i + 1, count);
         }
         bar.finish();
-        Ok((first, median(&mut times)))
+        Ok(Frames { radiance, first_ms: times[0], median_ms: median(&mut times) })
     }
 }
 
