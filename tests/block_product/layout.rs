@@ -78,8 +78,11 @@ fn other_sides_are_refused() {
     }
     for (side, block) in [(1, 8), (4, 8), (12, 8), (24, 16), (40, 32), (48, 32), (100, 8)] {
         let got = BlockLayout::new(grid(side), block, ScanOrder::RowMajor);
-        let expected =
-            Error::OutOfRange { what: "side of the cube map", got: side as f64, allowed: "a multiple of the block's, at most 1024" };
+        let expected = Error::OutOfRange {
+            what: "side of the cube map",
+            got: side as f64,
+            allowed: "a multiple of the block's, at most 1024",
+        };
         assert_eq!(got, Err(expected));
     }
 }

@@ -91,12 +91,10 @@ mod tests {
                 let plan = Interpolation::new(side, basis).unwrap();
                 for (level, low) in plan.levels().iter().zip([1, 2, 4]) {
                     let function = |x: f64, y: f64| match basis {
-                        Basis::Polynomial => {
-                            (0.3 + x / 7.0).powi(low as i32 - 1) * (1.0 - y / 9.0).powi(low as i32 - 1)
-                        }
+                        Basis::Polynomial => (0.3 + x / 7.0).powi(low - 1) * (1.0 - y / 9.0).powi(low - 1),
                         Basis::Cosine => {
                             let cosine = |x: f64| {
-                                ((2.0 * x + 1.0) * (low - 1) as f64 * std::f64::consts::PI / (2 * side) as f64).cos()
+                                ((2.0 * x + 1.0) * f64::from(low - 1) * std::f64::consts::PI / (2 * side) as f64).cos()
                             };
                             cosine(x) * (0.5 + cosine(y))
                         }
