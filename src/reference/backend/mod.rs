@@ -1,0 +1,4 @@
+//! Naive twins of [`backend`](crate::backend).
+
+#[cfg(feature = "block_product")]
+pub mod block_product;
