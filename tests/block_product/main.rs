@@ -1,0 +1,12 @@
+//! Locally adaptive products against naive twins and ground truth; their files.
+#![cfg(all(feature = "block_product", feature = "reference", feature = "proptest"))]
+
+mod bounded;
+mod exact;
+mod file;
+mod fixed;
+mod frames;
+mod layout;
+mod light;
+mod support;
+mod transport;
