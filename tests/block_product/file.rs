@@ -43,10 +43,9 @@ fn refusal(bytes: &[u8], path: &Path) -> String {
     }
 }
 
-/// All bits of some bytes but those that make the cube map's side 1024 or more: its layout, of up to 1.6 billion texels, is made before
-/// the file turns out to be too short for it.
+/// All bits of some bytes.
 fn bits(bytes: &[u8]) -> impl Iterator<Item = usize> {
-    (0..8 * bytes.len()).filter(|bit| !(8 * 18 + 10..8 * 18 + 14).contains(bit))
+    0..8 * bytes.len()
 }
 
 /// The same bytes with the checksum that belongs to them.

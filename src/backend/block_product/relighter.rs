@@ -153,8 +153,8 @@ impl<'a> Relighter<'a> {
 
     /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black.
     ///
-    /// Materials that were not in the last frame cost their tables of errors first: some milliseconds for each new exponent, some
-    /// tens for each new isotropic lobe about the half vector, up to half a second for an anisotropic one.
+    /// Materials that were not in the last frame cost their tables of errors first: tens of milliseconds for each new
+    /// exponent or isotropic lobe about the half vector, seconds for an anisotropic one.
     ///
     /// # Errors
     /// [`Error::Length`] if the materials do not fit the mesh.
@@ -209,6 +209,7 @@ impl<'a> Relighter<'a> {
     /// [`Error::Length`] if the materials do not fit the mesh.
     pub fn frame_stats(&mut self, view: &View, materials: &Materials) -> Result<FrameStats> {
         materials.check(self.mesh.positions().len())?;
+        self.needed.clear();
         self.planner.set(materials.brdfs())?;
         let mut scratch = self.scratch.first().cloned().expect("there is a piece");
         let frame = Frame { relighter: self, view, materials };

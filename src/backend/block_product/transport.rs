@@ -121,7 +121,8 @@ impl Transport {
         })
     }
 
-    /// Codes binary visibility that is there.
+    /// Codes binary visibility that is there, as [`VisibilityBaker`] makes it: nothing below the horizon of a vertex's normal. What is
+    /// visible there all the same would take light away, because cosines go on below the horizon.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes.
