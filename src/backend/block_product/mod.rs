@@ -24,6 +24,7 @@ mod bounds;
 mod coding;
 mod culling;
 mod file;
+mod frame;
 mod interpolation;
 mod layout;
 mod light;

@@ -1,23 +1,20 @@
-//! Frames.
+//! What a user holds: the light, the plans, frame after frame.
 
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 
-use super::bounds::{Gauge, Limits, MIRROR_CELLS, spread};
+use super::bounds::{Gauge, Limits, spread};
+use super::frame::{Frame, Scratch};
 use super::interpolation::Basis;
-use super::light::{LightForms, Record};
-use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
-use super::products::{Cut, Live, LobeSum, Moments};
-use super::rule::{PIXELS, Rule, fixed};
-use super::samples::Samples;
+use super::light::LightForms;
+use super::lobes::Planner;
+use super::rule::Rule;
 use super::stats::FrameStats;
-use super::tables::{Directions, GROUP as PLACES};
+use super::tables::Directions;
 use super::transport::{Transport, with_maps};
-use super::visible::{MOST_PLACES, Visible};
+use super::visible::Visible;
 use crate::compress::MapState;
 use crate::error::check_length;
-use crate::scene::{Axes, Camera, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
+use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::CubeMap;
 use crate::{Error, Result};
 
@@ -40,38 +37,26 @@ pub struct Settings {
 /// Frames do not allocate once the materials are known. The result does not depend on the number of threads.
 #[derive(Debug, Clone)]
 pub struct Relighter<'a> {
-    mesh: &'a Mesh,
-    transport: &'a Transport,
-    settings: Settings,
-    light: LightForms,
-    directions: Directions,
-    planner: Planner,
+    pub(super) mesh: &'a Mesh,
+    pub(super) transport: &'a Transport,
+    pub(super) settings: Settings,
+    pub(super) light: LightForms,
+    pub(super) directions: Directions,
+    pub(super) planner: Planner,
     /// [block]
-    limits: Vec<Limits>,
-    radius: f64,
+    pub(super) limits: Vec<Limits>,
+    pub(super) radius: f64,
     /// Cosine and sine of the radius of a group of places.
-    group_radius: [f32; 2],
-    scratch: Vec<Scratch>,
-    needed: Vec<bool>,
+    pub(super) group_radius: [f32; 2],
+    pub(super) scratch: Vec<Scratch>,
+    pub(super) needed: Vec<bool>,
     /// [group of vertices][block]: a bit for each vertex that sees some of the block.
-    live: Vec<u32>,
-    arch: pulp::Arch,
-}
-
-/// Work space of a piece of the vertices.
-#[derive(Debug, Clone)]
-struct Scratch {
-    samples: Samples,
-    live: Vec<Live>,
-    /// [block]
-    classes: Vec<u8>,
-    cells: Vec<u8>,
-    least: Vec<f32>,
-    levels: Vec<[f32; PLACES]>,
+    pub(super) live: Vec<u32>,
+    pub(super) arch: pulp::Arch,
 }
 
 /// Vertices whose cosine sums are taken together.
-const GROUP: usize = u32::BITS as usize;
+pub(super) const GROUP: usize = u32::BITS as usize;
 
 /// Which vertices of each group see some of each block.
 fn live<V: Visible>(maps: &V, vertices: usize, blocks: usize) -> Vec<u32> {
@@ -105,14 +90,7 @@ impl<'a> Relighter<'a> {
         let gauge = Gauge::new(layout, light.interpolation());
         let radius = gauge.radius();
         let directions = Directions::new(layout, light.interpolation());
-        let scratch = Scratch {
-            samples: Samples::new(),
-            live: Vec::with_capacity(layout.blocks()),
-            classes: vec![0; layout.blocks()],
-            cells: vec![0; layout.blocks()],
-            least: vec![-1.0; layout.blocks()],
-            levels: vec![[0.0; PLACES]; MOST_PLACES / PLACES],
-        };
+        let scratch = Scratch::new(layout.blocks());
         Ok(Self {
             mesh,
             transport,
@@ -215,280 +193,6 @@ impl<'a> Relighter<'a> {
         let frame = Frame { relighter: self, view, materials };
         Ok(with_maps!(self.transport.maps(), maps => frame.count(maps, &mut scratch)))
     }
-}
-
-/// What a frame reads.
-#[derive(Clone, Copy)]
-struct Frame<'f, 'a> {
-    relighter: &'f Relighter<'a>,
-    view: &'f View,
-    materials: &'f Materials,
-}
-
-/// A vertex as its lobes see it.
-struct Seen {
-    axes: Axes,
-    wo: Vector3<f64>,
-    normal: [f32; 3],
-}
-
-impl Frame<'_, '_> {
-    fn run<V: Visible>(self, maps: &V, scratch: &mut [Scratch], out: &mut [Vector3<f32>]) {
-        let piece = out.len().div_ceil(scratch.len()).next_multiple_of(GROUP);
-        let run = |(index, (out, scratch)): (usize, (&mut [Vector3<f32>], &mut Scratch))| {
-            for (group, out) in out.chunks_mut(GROUP).enumerate() {
-                self.group(maps, index * piece + group * GROUP, scratch, out);
-            }
-        };
-        #[cfg(feature = "rayon")]
-        out.par_chunks_mut(piece).zip(scratch).enumerate().for_each(run);
-        #[cfg(not(feature = "rayon"))]
-        out.chunks_mut(piece).zip(scratch).enumerate().for_each(run);
-    }
-
-    fn is_needed(self, vertex: usize) -> bool {
-        self.relighter.needed.get(vertex).copied().unwrap_or(true)
-    }
-
-    fn plan(&self, vertex: usize) -> &Plan {
-        &self.relighter.planner.plans()[self.materials.part(vertex)]
-    }
-
-    /// The radiance of a few vertices in a row.
-    fn group<V: Visible>(self, maps: &V, first: usize, scratch: &mut Scratch, out: &mut [Vector3<f32>]) {
-        let seen: [Option<Seen>; GROUP] =
-            std::array::from_fn(|i| if i < out.len() { self.seen(first + i) } else { None });
-        let is_diffuse = |i: &usize| seen[*i].is_some() && self.plan(first + i).diffuse != Vector3::zeros();
-        let wanted = (0..GROUP).filter(is_diffuse).fold(0, |bits, i| bits | 1 << i);
-        let mut moments = [[0.0; 12]; GROUP];
-        if wanted != 0 {
-            let Relighter { light, live, limits, arch, .. } = self.relighter;
-            let live = &live[first / GROUP * limits.len()..][..limits.len()];
-            arch.dispatch(Moments { maps, light, first, live, wanted, sums: &mut moments });
-        }
-        for (i, (radiance, (seen, moments))) in out.iter_mut().zip(seen.iter().zip(&moments)).enumerate() {
-            *radiance = match seen {
-                Some(seen) => self.vertex(maps, first + i, seen, moments, scratch).cast(),
-                None => Vector3::zeros(),
-            };
-        }
-    }
-
-    /// None for a vertex that is not needed or whose viewer is below the horizon.
-    fn seen(self, vertex: usize) -> Option<Seen> {
-        if !self.is_needed(vertex) {
-            return None;
-        }
-        let (mesh, frame) = (self.relighter.mesh, self.relighter.mesh.frame(vertex));
-        let axes = Axes::new(&frame);
-        let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
-        let normal = narrow(axes.normal());
-        (axes.normal().dot(&wo) > 0.0).then_some(Seen { axes, wo, normal })
-    }
-
-    fn vertex<V: Visible>(
-        self,
-        maps: &V,
-        vertex: usize,
-        seen: &Seen,
-        moments: &Record,
-        scratch: &mut Scratch,
-    ) -> Vector3<f64> {
-        let plan = self.plan(vertex);
-        let n = seen.axes.normal();
-        let mut sum =
-            Vector3::from([0, 4, 8].map(|k| (0..3).map(|axis| f64::from(moments[k + axis]) * n[axis]).sum::<f64>()));
-        sum.component_mul_assign(&plan.diffuse);
-        if !plan.lobes.is_empty() {
-            self.find_live(maps, vertex, scratch);
-        }
-        for lobe in &plan.lobes {
-            self.classify(lobe, seen, scratch);
-            sum += self.lobe(maps, vertex, lobe, seen, scratch).component_mul(&lobe.factor);
-        }
-        sum
-    }
-
-    fn find_live<V: Visible>(self, maps: &V, vertex: usize, scratch: &mut Scratch) {
-        let blocks = self.relighter.limits.len();
-        scratch.live.clear();
-        for block in 0..blocks {
-            match maps.state(vertex * blocks + block) {
-                MapState::AllZero => {}
-                state => scratch.live.push(Live { block: block as u32, free: state == MapState::AllOne }),
-            }
-        }
-    }
-
-    /// The number of samples of each live block, and which of its pixels count if it takes them.
-    fn classify(self, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) {
-        let Relighter { directions, limits, arch, .. } = self.relighter;
-        let Scratch { live, classes, cells, least, .. } = scratch;
-        match &lobe.sampling {
-            Sampling::Pixels => classes.fill(PIXELS),
-            Sampling::Fixed(exponent) => {
-                let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
-                let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
-                let limits = &directions.limits[usize::from(sound)];
-                for block in live.iter().map(|live| live.block as usize) {
-                    let cosine = dot(mirror, at(&directions.centres, block));
-                    let [near, middle] = limits[block];
-                    classes[block] = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
-                }
-            }
-            Sampling::Mirror { bounds, offset, inverse_exponent } => {
-                arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
-                for &Live { block, free } in live.iter() {
-                    let block = block as usize;
-                    let codes = &bounds.cells()[usize::from(cells[block])];
-                    let limits = &limits[block];
-                    let class = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
-                    classes[block] = class;
-                    if class == PIXELS || class == PIXELS - 1 && !free {
-                        // cos^n θ below what a pixel may reflect, for all of a group.
-                        let cosine = (limits.darkness(*offset) * inverse_exponent).min(0.0).exp2();
-                        let (sine, [c, s]) = ((1.0 - cosine * cosine).sqrt(), self.relighter.group_radius);
-                        least[block] = if cosine > -c { cosine * c - sine * s } else { -1.0 };
-                    }
-                }
-            }
-            Sampling::Wide { bounds, offset } => {
-                let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
-                for &Live { block, free } in live.iter() {
-                    let block = block as usize;
-                    let centre = Vector3::from(at(&directions.centres, block)).cast();
-                    let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    let limits = &limits[block];
-                    classes[block] = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
-                }
-            }
-        }
-    }
-
-    fn lobe<V: Visible>(
-        self,
-        maps: &V,
-        vertex: usize,
-        lobe: &Lobe,
-        seen: &Seen,
-        scratch: &mut Scratch,
-    ) -> Vector3<f64> {
-        let (axes, wo) = (&seen.axes, &seen.wo);
-        let cut = matches!(lobe.sampling, Sampling::Mirror { .. }).then(|| seen.mirror());
-        let run = LobeRun { frame: self, vertex, seen, cut };
-        let sum = match &lobe.model {
-            Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
-            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::CookTorrance(ggx) => ggx.facets(axes, wo).map(|facets| match facets {
-                Reflectance::Grey(k) => run.sum(k, maps, scratch),
-                Reflectance::Coloured(k) => run.sum(k, maps, scratch),
-            }),
-            Model::Other(brdf) => {
-                Some(run.sum(Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) }, maps, scratch))
-            }
-        };
-        Vector3::from(sum.unwrap_or_default())
-    }
-
-    fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
-        let mut stats = FrameStats::default();
-        let blocks = self.relighter.limits.len();
-        let mut most = vec![0_u8; blocks];
-        for vertex in 0..self.relighter.mesh.positions().len() {
-            let Some(seen) = self.seen(vertex) else { continue };
-            let plan = self.plan(vertex);
-            self.find_live(maps, vertex, scratch);
-            most.fill(u8::from(plan.diffuse != Vector3::zeros()));
-            for lobe in &plan.lobes {
-                self.classify(lobe, &seen, scratch);
-                for block in scratch.live.iter().map(|live| live.block as usize) {
-                    most[block] = most[block].max(scratch.classes[block]);
-                }
-            }
-            let states = (0..blocks).map(|block| maps.state(vertex * blocks + block));
-            stats = states.zip(&most).fold(stats, |stats, (state, &class)| stats.add(one_block(state, class)));
-            stats.vertices += 1;
-        }
-        stats
-    }
-}
-
-/// One lobe at one vertex.
-struct LobeRun<'r, 'f, 'a> {
-    frame: Frame<'f, 'a>,
-    vertex: usize,
-    seen: &'r Seen,
-    /// The mirror direction, if pixels far from it are left out.
-    cut: Option<[f32; 3]>,
-}
-
-impl LobeRun<'_, '_, '_> {
-    fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
-        let Scratch { samples, live, classes, least, levels, .. } = scratch;
-        let Relighter { light, directions, arch, .. } = self.frame.relighter;
-        let first = self.vertex * light.layout().blocks();
-        let cut = self.cut.map(|mirror| Cut { mirror, least });
-        let normal = self.seen.normal;
-        arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples, levels, cut })
-    }
-}
-
-impl Seen {
-    /// The direction to the viewer, mirrored.
-    fn mirror(&self) -> [f32; 3] {
-        let local = self.axes.to_local(&self.wo);
-        narrow(&self.axes.to_world(&Vector3::new(-local.x, -local.y, local.z)))
-    }
-}
-
-/// The counts of one block.
-fn one_block(state: MapState, class: u8) -> FrameStats {
-    let mut stats = FrameStats::default();
-    if state == MapState::AllZero || class == 0 {
-        stats.zero = 1;
-        return stats;
-    }
-    stats.samples[usize::from(class) - 1] = 1;
-    match (state, class) {
-        (_, PIXELS) => stats.pixels = 1,
-        (MapState::AllOne, _) => stats.coefficients = 1,
-        (_, 1 | 2) => stats.sums = 1,
-        // 16 coefficients behind a partly hidden block: pixel by pixel.
-        _ => (stats.pixels, stats.samples) = (1, [0, 0, 0, 1]),
-    }
-    stats
-}
-
-/// The cell of each block in a table over the angle to the mirror direction.
-struct MirrorCells<'a> {
-    mirror: [f32; 3],
-    centres: &'a [Vec<f32>; 3],
-    cells: &'a mut [u8],
-}
-
-impl pulp::WithSimd for MirrorCells<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let [x, y, z] = self.centres;
-        for (((&x, &y), &z), cell) in x.iter().zip(y).zip(z).zip(self.cells) {
-            let half_sine = (0.5 - 0.5 * dot(self.mirror, [x, y, z])).max(0.0).sqrt();
-            *cell = (half_sine * MIRROR_CELLS as f32).min(MIRROR_CELLS as f32 - 1.0) as i32 as u8;
-        }
-    }
-}
-
-#[inline(always)]
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn at(planes: &[Vec<f32>; 3], i: usize) -> [f32; 3] {
-    [planes[0][i], planes[1][i], planes[2][i]]
 }
 
 /// Into how many pieces a frame is cut, each with scratch of its own. The result does not depend on it.

@@ -1,0 +1,52 @@
+//! Errors of lobes about the mirror direction.
+
+use nalgebra::Vector3;
+
+use super::each;
+use super::errors::{Codes, Errors};
+use super::gauge::Gauge;
+
+/// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
+#[derive(Debug, Clone)]
+pub(in crate::backend::block_product) struct MirrorBounds {
+    cells: Vec<Codes>,
+}
+
+/// Cells of a [`MirrorBounds`].
+pub(in crate::backend::block_product) const MIRROR_CELLS: usize = 128;
+
+impl MirrorBounds {
+    /// Errors of max(cos, 0)^n at the edges of the cells.
+    pub(in crate::backend::block_product) fn edges(gauge: &Gauge, exponent: f64) -> Vec<Errors> {
+        let edge = |i: usize| {
+            let theta = 2.0 * (i as f64 / MIRROR_CELLS as f64).min(1.0).asin();
+            let azimuths = (0..4).map(|k| (k as f64 * 0.5 + 0.25) * std::f64::consts::FRAC_PI_2);
+            let mut most = Errors::default();
+            for azimuth in azimuths {
+                let (s, c) = theta.sin_cos();
+                let mirror = Vector3::new(s * azimuth.cos(), s * azimuth.sin(), c);
+                for shape in &gauge.shapes {
+                    let lobe = |d: &Vector3<f64>| {
+                        Some(d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0))
+                    };
+                    most = most.worst(gauge.errors(shape, 1, lobe));
+                }
+            }
+            // From here to the next edge towards the mirror direction.
+            let before = 2.0 * ((i as f64 - 1.0) / MIRROR_CELLS as f64).max(0.0).asin();
+            let nearest = (before - gauge.radius).max(0.0).cos();
+            most.with_a_pixel_of(if nearest > 0.0 { nearest.powf(exponent) } else { 0.0 }, gauge.side)
+        };
+        each(MIRROR_CELLS + 1, edge)
+    }
+
+    /// The worse of two exponents' errors, and of a cell's two edges.
+    pub(in crate::backend::block_product) fn between(low: &[Errors], high: &[Errors]) -> Self {
+        let both = |i: usize| low[i].worst(high[i]);
+        Self { cells: (0..MIRROR_CELLS).map(|i| Codes::new(both(i).worst(both(i + 1)))).collect() }
+    }
+
+    pub(in crate::backend::block_product) fn cells(&self) -> &[Codes] {
+        &self.cells
+    }
+}

@@ -1,0 +1,33 @@
+//! How wrong a reflectance with few samples a block is, measured before it is used.
+//!
+//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is at most
+//!   free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
+//!   partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|        (Cauchy and Schwarz, Hölder; 0 ≤ V ≤ 1)
+//! The three norms of e are tabulated for l = 0 (nothing at all), 1, 2 and 4; those of the light are numbers a block, new with each
+//! light. Under a smooth sky a free block so needs few samples of a sharp lobe, where the sun stands it needs them all.
+//!
+//! | lobe | table over | why that is enough |
+//! |---|---|---|
+//! | about the mirror direction m | angle of the block's centre to m | ρ̃ = f(m·ω) n·ω: the error is n · (error of f(m·ω) ω), so that the norm of that *vector* bounds all normals |
+//! | any other | elevations of viewer and block, azimuth between them; both azimuths unless isotropic | the largest and the smallest shape of block in two orientations, the largest of neighbouring cells |
+
+mod errors;
+mod gauge;
+mod mirror;
+mod wide;
+
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+pub(super) use errors::{Errors, Limits, Norms, offset, spread};
+pub(super) use gauge::Gauge;
+pub(super) use mirror::{MIRROR_CELLS, MirrorBounds};
+pub(super) use wide::WideBounds;
+
+/// Runs `one` for 0…count, in parallel.
+fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors> {
+    #[cfg(feature = "rayon")]
+    return (0..count).into_par_iter().map(one).collect();
+    #[cfg(not(feature = "rayon"))]
+    return (0..count).map(one).collect();
+}
