@@ -5,14 +5,15 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::bounds::MIRROR_CELLS;
-use super::light::Record;
 use super::lobes::{Lobe, Model, Plan, Sampling};
 use super::products::{Cut, Live, LobeSum, Moments};
-use super::relighter::{GROUP, Relighter};
+use super::relighter::Relighter;
 use super::rule::{PIXELS, Rule, fixed};
 use super::samples::Samples;
+use super::schedule::{Group, Schedule, TOGETHER};
 use super::stats::FrameStats;
-use super::tables::GROUP as PLACES;
+use super::suffix::MomentSums;
+use super::tables::GROUP;
 use super::visible::{MOST_PLACES, Visible};
 use crate::compress::MapState;
 use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};
@@ -20,24 +21,31 @@ use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, nar
 /// Work space of a piece of the vertices.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
+    /// [vertex of a group]
+    seen: Vec<Option<Seen>>,
+    wanted: Box<[bool; TOGETHER]>,
+    moments: Box<[MomentSums; TOGETHER]>,
     samples: Samples,
     live: Vec<Live>,
     /// [block]
     classes: Vec<u8>,
     cells: Vec<u8>,
     least: Vec<f32>,
-    levels: Vec<[f32; PLACES]>,
+    levels: Vec<[f32; GROUP]>,
 }
 
 impl Scratch {
     pub(super) fn new(blocks: usize) -> Self {
         Self {
+            seen: Vec::with_capacity(TOGETHER),
+            wanted: Box::new([false; TOGETHER]),
+            moments: Box::new([MomentSums::default(); TOGETHER]),
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
             classes: vec![0; blocks],
             cells: vec![0; blocks],
             least: vec![-1.0; blocks],
-            levels: vec![[0.0; PLACES]; MOST_PLACES / PLACES],
+            levels: vec![[0.0; GROUP]; MOST_PLACES / GROUP],
         }
     }
 }
@@ -50,19 +58,32 @@ pub(super) struct Frame<'f, 'a> {
     pub(super) materials: &'f Materials,
 }
 
-/// A vertex as its lobes see it.
+/// A vertex and its viewer.
+#[derive(Debug, Clone, Copy)]
 struct Seen {
+    normal: Vector3<f64>,
+    wo: Vector3<f64>,
+}
+
+/// The same as lobes see it.
+struct Facing {
     axes: Axes,
     wo: Vector3<f64>,
     normal: [f32; 3],
 }
 
 impl Frame<'_, '_> {
-    pub(super) fn run<V: Visible>(self, maps: &V, scratch: &mut [Scratch], out: &mut [Vector3<f32>]) {
-        let piece = out.len().div_ceil(scratch.len()).next_multiple_of(GROUP);
+    pub(super) fn run<V: Visible>(
+        self,
+        (maps, schedule): (&V, &Schedule<V::Change>),
+        scratch: &mut [Scratch],
+        out: &mut [Vector3<f32>],
+    ) {
+        let piece = out.len().div_ceil(scratch.len()).next_multiple_of(TOGETHER);
         let run = |(index, (out, scratch)): (usize, (&mut [Vector3<f32>], &mut Scratch))| {
-            for (group, out) in out.chunks_mut(GROUP).enumerate() {
-                self.group(maps, index * piece + group * GROUP, scratch, out);
+            for (group, out) in out.chunks_mut(TOGETHER).enumerate() {
+                let group = index * (piece / TOGETHER) + group;
+                self.group(maps, schedule.group(group), group * TOGETHER, scratch, out);
             }
         };
         #[cfg(feature = "rayon")]
@@ -79,21 +100,29 @@ impl Frame<'_, '_> {
         &self.relighter.planner.plans()[self.materials.part(vertex)]
     }
 
-    /// The radiance of a few vertices in a row.
-    fn group<V: Visible>(self, maps: &V, first: usize, scratch: &mut Scratch, out: &mut [Vector3<f32>]) {
-        let seen: [Option<Seen>; GROUP] =
-            std::array::from_fn(|i| if i < out.len() { self.seen(first + i) } else { None });
-        let is_diffuse = |i: &usize| seen[*i].is_some() && self.plan(first + i).diffuse != Vector3::zeros();
-        let wanted = (0..GROUP).filter(is_diffuse).fold(0, |bits, i| bits | 1 << i);
-        let mut moments = [[0.0; 12]; GROUP];
-        if wanted != 0 {
-            let Relighter { light, live, limits, arch, .. } = self.relighter;
-            let live = &live[first / GROUP * limits.len()..][..limits.len()];
-            arch.dispatch(Moments { maps, light, first, live, wanted, sums: &mut moments });
+    /// The radiance of a group of vertices.
+    fn group<V: Visible>(
+        self,
+        maps: &V,
+        group: Group<'_, V::Change>,
+        first: usize,
+        scratch: &mut Scratch,
+        out: &mut [Vector3<f32>],
+    ) {
+        let Scratch { seen, wanted, moments, .. } = scratch;
+        seen.clear();
+        seen.extend((first..first + out.len()).map(|vertex| self.seen(vertex)));
+        for (i, (wanted, seen)) in wanted.iter_mut().zip(seen.iter()).enumerate() {
+            *wanted = seen.is_some() && self.plan(first + i).diffuse != Vector3::zeros();
         }
-        for (i, (radiance, (seen, moments))) in out.iter_mut().zip(seen.iter().zip(&moments)).enumerate() {
-            *radiance = match seen {
-                Some(seen) => self.vertex(maps, first + i, seen, moments, scratch).cast(),
+        if wanted[..out.len()].contains(&true) {
+            moments.fill(MomentSums::default());
+            let Relighter { light, arch, .. } = self.relighter;
+            arch.dispatch(Moments { maps, light, group, wanted, sums: moments });
+        }
+        for (i, radiance) in out.iter_mut().enumerate() {
+            *radiance = match scratch.seen[i] {
+                Some(seen) => self.vertex(maps, first + i, &seen, i, scratch).cast(),
                 None => Vector3::zeros(),
             };
         }
@@ -105,31 +134,38 @@ impl Frame<'_, '_> {
             return None;
         }
         let (mesh, frame) = (self.relighter.mesh, self.relighter.mesh.frame(vertex));
-        let axes = Axes::new(&frame);
+        let normal = Axes::upright(&frame);
         let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
-        let normal = narrow(axes.normal());
-        (axes.normal().dot(&wo) > 0.0).then_some(Seen { axes, wo, normal })
+        (normal.dot(&wo) > 0.0).then_some(Seen { normal, wo })
     }
 
+    fn facing(self, vertex: usize, seen: &Seen) -> Facing {
+        let axes = Axes::new(&self.relighter.mesh.frame(vertex));
+        Facing { axes, wo: seen.wo, normal: narrow(&seen.normal) }
+    }
+
+    /// The radiance of number `i` of a group.
     fn vertex<V: Visible>(
         self,
         maps: &V,
         vertex: usize,
         seen: &Seen,
-        moments: &Record,
+        i: usize,
         scratch: &mut Scratch,
     ) -> Vector3<f64> {
         let plan = self.plan(vertex);
-        let n = seen.axes.normal();
-        let mut sum =
-            Vector3::from([0, 4, 8].map(|k| (0..3).map(|axis| f64::from(moments[k + axis]) * n[axis]).sum::<f64>()));
-        sum.component_mul_assign(&plan.diffuse);
-        if !plan.lobes.is_empty() {
-            self.find_live(maps, vertex, scratch);
+        let mut sum = Vector3::zeros();
+        if scratch.wanted[i] {
+            sum = Vector3::from(scratch.moments[i].along(seen.normal.into())).component_mul(&plan.diffuse);
         }
+        if plan.lobes.is_empty() {
+            return sum;
+        }
+        let facing = self.facing(vertex, seen);
+        self.find_live(maps, vertex, scratch);
         for lobe in &plan.lobes {
-            self.classify(lobe, seen, scratch);
-            sum += self.lobe(maps, vertex, lobe, seen, scratch).component_mul(&lobe.factor);
+            self.classify(lobe, &facing, scratch);
+            sum += self.lobe(maps, vertex, lobe, &facing, scratch).component_mul(&lobe.factor);
         }
         sum
     }
@@ -146,7 +182,7 @@ impl Frame<'_, '_> {
     }
 
     /// The number of samples of each live block, and which of its pixels count if it takes them.
-    fn classify(self, lobe: &Lobe, seen: &Seen, scratch: &mut Scratch) {
+    fn classify(self, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Relighter { directions, limits, arch, .. } = self.relighter;
         let Scratch { live, classes, cells, least, .. } = scratch;
         match &lobe.sampling {
@@ -195,7 +231,7 @@ impl Frame<'_, '_> {
         maps: &V,
         vertex: usize,
         lobe: &Lobe,
-        seen: &Seen,
+        seen: &Facing,
         scratch: &mut Scratch,
     ) -> Vector3<f64> {
         let (axes, wo) = (&seen.axes, &seen.wo);
@@ -223,7 +259,7 @@ impl Frame<'_, '_> {
         let mut most = vec![0_u8; blocks];
         for vertex in 0..self.relighter.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
-            let plan = self.plan(vertex);
+            let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
             self.find_live(maps, vertex, scratch);
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
@@ -244,7 +280,7 @@ impl Frame<'_, '_> {
 struct LobeRun<'r, 'f, 'a> {
     frame: Frame<'f, 'a>,
     vertex: usize,
-    seen: &'r Seen,
+    seen: &'r Facing,
     /// The mirror direction, if pixels far from it are left out.
     cut: Option<[f32; 3]>,
 }
@@ -260,7 +296,7 @@ impl LobeRun<'_, '_, '_> {
     }
 }
 
-impl Seen {
+impl Facing {
     /// The direction to the viewer, mirrored.
     fn mirror(&self) -> [f32; 3] {
         let local = self.axes.to_local(&self.wo);

@@ -5,14 +5,10 @@ use nalgebra::Vector3;
 use super::bounds::Norms;
 use super::interpolation::{Basis, Interpolation};
 use super::layout::BlockLayout;
+use super::suffix::{Lanes, NodeSums};
 use super::tables::{Eight, GROUP};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
-
-/// One look-up in partial sums: a number for R, G and B, four times.
-///
-/// `[r; 4], [g; 4], [b; 4]`, where the four are the nodes of 4 coefficients, or x, y, z and nothing.
-pub(super) type Record = [f32; 12];
 
 /// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along the paths of a layout:
 ///
@@ -20,7 +16,7 @@ pub(super) type Record = [f32; 12];
 /// |---|---|---|
 /// | weights of 1, 4 and 16 samples | nothing hidden | 1 |
 /// | suffix sums of light × each of the four cardinal functions | partly hidden, BRDF of 1 or 4 samples | 48 |
-/// | suffix sums of light × direction | partly hidden or not, cosine: exact | 48 |
+/// | suffix sums of light × direction | partly hidden or not, cosine: exact | 36 |
 /// | texels | anything | 12 |
 ///
 /// A cosine is linear in direction, so that Σ L V n·ω = n · Σ L V ω: a diffuse surface needs no sample and no horizon.
@@ -35,9 +31,11 @@ pub struct LightForms {
     /// [block][node of 1, 4, 16] R, then G, then B.
     pub(super) weights: [Vec<f32>; 3],
     /// [block][place]
-    pub(super) nodes: Vec<Record>,
-    /// [block][place]
-    pub(super) moments: Vec<Record>,
+    pub(super) nodes: Vec<NodeSums>,
+    /// [block][place] x, y, z for R, for G, x and y for B
+    pub(super) moments: Vec<Lanes>,
+    /// [block][place] z for B
+    pub(super) ninths: Vec<f32>,
     /// [block][group of eight places] R, G, B
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
@@ -71,7 +69,8 @@ impl LightForms {
             pixels: layout.scan().pixels().to_vec(),
             weights: [(); 3].map(|()| vec![0.0; layout.blocks() * NODES]),
             nodes: vec![[0.0; 12]; len],
-            moments: vec![[0.0; 12]; len],
+            moments: vec![Lanes::default(); len],
+            ninths: vec![0.0; len],
             texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
             norms: vec![Norms::default(); layout.blocks()],
             mean: 0.0,
@@ -102,7 +101,8 @@ impl LightForms {
     /// Bytes of all forms.
     pub fn bytes(&self) -> usize {
         let weights: usize = self.weights.iter().map(|plane| size_of_val(&plane[..])).sum();
-        weights + size_of_val(&self.texels[..]) + size_of_val(&self.nodes[..]) + size_of_val(&self.moments[..])
+        let moments = size_of_val(&self.moments[..]) + size_of_val(&self.ninths[..]);
+        weights + size_of_val(&self.texels[..]) + size_of_val(&self.nodes[..]) + moments
     }
 
     /// Weights of the 1, 4 and 16 samples of a block, of one channel.
@@ -149,7 +149,7 @@ impl LightForms {
         let len = self.layout.block_len();
         let range = block * len..(block + 1) * len;
         let cardinals = &self.interpolation.levels()[1].cardinals;
-        let (mut nodes, mut moments) = ([0.0_f64; 12], [0.0_f64; 12]);
+        let (mut nodes, mut moments) = ([0.0_f64; 12], [0.0_f64; 9]);
         let texels = self.layout.texels(block);
         let omega = &self.omega[range.clone()];
         for place in (0..len).rev() {
@@ -162,13 +162,16 @@ impl LightForms {
                 let value = f64::from(radiance[channel]) * solid;
                 pixels[channel][pixel] = value;
                 self.texels[at / GROUP][channel][at % GROUP] = value as f32;
-                for (k, (cardinal, axis)) in four.into_iter().zip([x, y, z, 0.0]).enumerate() {
-                    nodes[4 * channel + k] += value * cardinal;
-                    moments[4 * channel + k] += value * axis;
+                for k in 0..4 {
+                    nodes[4 * channel + k] += value * four[k];
+                }
+                for (k, axis) in [x, y, z].into_iter().enumerate() {
+                    moments[3 * channel + k] += value * axis;
                 }
             }
             self.nodes[at] = nodes.map(|x| x as f32);
-            self.moments[at] = moments.map(|x| x as f32);
+            self.moments[at] = Lanes(std::array::from_fn(|k| moments[k] as f32));
+            self.ninths[at] = moments[8] as f32;
         }
     }
 

@@ -1,35 +1,47 @@
 //! The sums of one vertex: algorithm 1 [Inger 2013] for one lobe, and the cosine of all lobes together.
 
-use super::light::{LightForms, NODES, Record};
+use super::light::{LightForms, NODES};
 use super::samples::{Samples, Sums, reflect};
+use super::schedule::{Group, TOGETHER};
+use super::suffix::{MomentSums, MomentTable, Table};
 use super::tables::{Directions, GROUP};
 use super::visible::{GroupBits, MOST_PLACES, Visible};
 use crate::scene::Kernel;
 
-/// Σ L V ω of a few vertices, block by block: a block's sums stay in the first cache while all vertices look them up.
-pub(super) struct Moments<'a, V> {
+/// Σ L V ω of a group of vertices.
+pub(super) struct Moments<'a, V: Visible> {
     pub(super) maps: &'a V,
     pub(super) light: &'a LightForms,
-    pub(super) first: usize,
-    /// [block]: a bit for each vertex that sees some of it.
-    pub(super) live: &'a [u32],
-    /// A bit for each vertex whose sums are wanted.
-    pub(super) wanted: u32,
-    pub(super) sums: &'a mut [Record],
+    pub(super) group: Group<'a, V::Change>,
+    pub(super) wanted: &'a [bool; TOGETHER],
+    pub(super) sums: &'a mut [MomentSums; TOGETHER],
 }
 
 impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, _: S) {
-        let (blocks, len) = (self.light.layout().blocks(), self.light.layout().block_len());
-        for (block, (table, live)) in self.light.moments.chunks_exact(len).zip(self.live).enumerate() {
-            let mut vertices = live & self.wanted;
-            while vertices != 0 {
-                let i = vertices.trailing_zeros() as usize;
-                vertices &= vertices - 1;
-                self.maps.add((self.first + i) * blocks + block, table, &mut self.sums[i]);
+    fn with_simd<S: pulp::Simd>(mut self, _: S) {
+        let len = self.light.layout().block_len();
+        for (eights, ninths) in self.light.moments.chunks_exact(len).zip(self.light.ninths.chunks_exact(len)) {
+            // A table of as many rows as a byte can say needs no check of each look-up.
+            match (eights.first_chunk::<256>(), ninths.first_chunk()) {
+                (Some(eights), Some(ninths)) if len == 256 => self.block(MomentTable::<_, [f32; 256]> { eights, ninths }),
+                _ => self.block(MomentTable { eights, ninths }),
+            }
+        }
+    }
+}
+
+impl<V: Visible> Moments<'_, V> {
+    #[inline(always)]
+    fn block<T: Table<Sum = MomentSums>>(&mut self, table: T) {
+        for &batch in self.group.next_block() {
+            let (vertices, changes) = self.group.next_maps(batch);
+            for (&vertex, changes) in vertices.iter().zip(changes.chunks_exact(usize::from(batch.changes))) {
+                if self.wanted[usize::from(vertex)] {
+                    self.maps.add_changes(changes, table, &mut self.sums[usize::from(vertex)]);
+                }
             }
         }
     }
@@ -104,10 +116,8 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     #[inline(always)]
     fn sums(&mut self, block: usize, constant: bool) {
         let len = self.light.layout().block_len();
-        let mut record = [0.0; 12];
-        self.maps.add(self.first + block, &self.light.nodes[block * len..][..len], &mut record);
-        let weights: [&[f32; 4]; 3] =
-            [0, 4, 8].map(|k| record[k..].first_chunk().expect("a record has twelve numbers"));
+        let sums = self.maps.sum(self.first + block, &self.light.nodes[block * len..][..len]);
+        let weights: [&[f32; 4]; 3] = [0, 4, 8].map(|k| sums[k..].first_chunk().expect("a row has twelve numbers"));
         let [x, y, z] = &self.directions.nodes;
         if constant {
             let at = block * NODES;

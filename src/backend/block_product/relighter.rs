@@ -10,9 +10,10 @@ use super::lobes::Planner;
 use super::rule::Rule;
 use super::stats::FrameStats;
 use super::tables::Directions;
-use super::transport::{Transport, with_maps};
-use super::visible::Visible;
-use crate::compress::MapState;
+use super::schedule::Schedule;
+use super::transport::{Maps, Transport};
+use super::visible::GrayChange;
+use crate::compress::{BinaryMaps, GrayMaps};
 use crate::error::check_length;
 use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::CubeMap;
@@ -38,7 +39,6 @@ pub struct Settings {
 #[derive(Debug, Clone)]
 pub struct Relighter<'a> {
     pub(super) mesh: &'a Mesh,
-    pub(super) transport: &'a Transport,
     pub(super) settings: Settings,
     pub(super) light: LightForms,
     pub(super) directions: Directions,
@@ -50,25 +50,41 @@ pub struct Relighter<'a> {
     pub(super) group_radius: [f32; 2],
     pub(super) scratch: Vec<Scratch>,
     pub(super) needed: Vec<bool>,
-    /// [group of vertices][block]: a bit for each vertex that sees some of the block.
-    pub(super) live: Vec<u32>,
+    scheduled: Scheduled<'a>,
     pub(super) arch: pulp::Arch,
 }
 
-/// Vertices whose cosine sums are taken together.
-pub(super) const GROUP: usize = u32::BITS as usize;
+/// Maps, and the order in which a frame sums them up.
+#[derive(Debug, Clone)]
+pub(super) enum Scheduled<'a> {
+    Binary8(&'a BinaryMaps<u8>, Schedule<u8>),
+    Binary16(&'a BinaryMaps<u16>, Schedule<u16>),
+    Gray8(&'a GrayMaps<u8>, Schedule<GrayChange<u8>>),
+    Gray16(&'a GrayMaps<u16>, Schedule<GrayChange<u16>>),
+}
 
-/// Which vertices of each group see some of each block.
-fn live<V: Visible>(maps: &V, vertices: usize, blocks: usize) -> Vec<u32> {
-    let mut live = vec![0; vertices.div_ceil(GROUP) * blocks];
-    for vertex in 0..vertices {
-        for block in 0..blocks {
-            if maps.state(vertex * blocks + block) != MapState::AllZero {
-                live[vertex / GROUP * blocks + block] |= 1 << (vertex % GROUP);
-            }
+/// Runs `$body` with `$maps` and `$schedule` bound to those that there are.
+macro_rules! with_scheduled {
+    ($enum:expr, $maps:ident, $schedule:ident => $body:expr) => {
+        match $enum {
+            Scheduled::Binary8($maps, $schedule) => $body,
+            Scheduled::Binary16($maps, $schedule) => $body,
+            Scheduled::Gray8($maps, $schedule) => $body,
+            Scheduled::Gray16($maps, $schedule) => $body,
+        }
+    };
+}
+
+impl<'a> Scheduled<'a> {
+    fn new(transport: &'a Transport) -> Self {
+        let (vertices, blocks) = (transport.vertices(), transport.layout().blocks());
+        match transport.maps() {
+            Maps::Binary8(maps) => Self::Binary8(maps, Schedule::new(maps, vertices, blocks)),
+            Maps::Binary16(maps) => Self::Binary16(maps, Schedule::new(maps, vertices, blocks)),
+            Maps::Gray8(maps) => Self::Gray8(maps, Schedule::new(maps, vertices, blocks)),
+            Maps::Gray16(maps) => Self::Gray16(maps, Schedule::new(maps, vertices, blocks)),
         }
     }
-    live
 }
 
 impl<'a> Relighter<'a> {
@@ -93,7 +109,6 @@ impl<'a> Relighter<'a> {
         let scratch = Scratch::new(layout.blocks());
         Ok(Self {
             mesh,
-            transport,
             settings,
             group_radius: [directions.group_radius.cos() as f32, directions.group_radius.sin() as f32],
             directions,
@@ -102,7 +117,7 @@ impl<'a> Relighter<'a> {
             radius,
             scratch: vec![scratch; pieces()],
             needed: Vec::new(),
-            live: with_maps!(transport.maps(), maps => live(maps, expected, layout.blocks())),
+            scheduled: Scheduled::new(transport),
             arch: pulp::Arch::new(),
             light,
         })
@@ -122,6 +137,12 @@ impl<'a> Relighter<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the order of
+    /// frames.
+    pub fn bytes(&self) -> usize {
+        with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
     }
 
     /// The light's forms.
@@ -176,7 +197,7 @@ impl<'a> Relighter<'a> {
         self.planner.set(materials.brdfs())?;
         let mut scratch = std::mem::take(&mut self.scratch);
         let frame = Frame { relighter: self, view, materials };
-        with_maps!(self.transport.maps(), maps => frame.run(maps, &mut scratch, out));
+        with_scheduled!(&self.scheduled, maps, schedule => frame.run((*maps, schedule), &mut scratch, out));
         self.scratch = scratch;
         Ok(())
     }
@@ -191,7 +212,7 @@ impl<'a> Relighter<'a> {
         self.planner.set(materials.brdfs())?;
         let mut scratch = self.scratch.first().cloned().expect("there is a piece");
         let frame = Frame { relighter: self, view, materials };
-        Ok(with_maps!(self.transport.maps(), maps => frame.count(maps, &mut scratch)))
+        Ok(with_scheduled!(&self.scheduled, maps, _schedule => frame.count(*maps, &mut scratch)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the products read of coded maps.
 
-use super::light::Record;
+use super::suffix::{NodeSums, Table};
 use super::tables::GROUP;
 use crate::compress::{BinaryMaps, GrayMaps, MapIndex, MapState};
 
@@ -57,10 +57,18 @@ static LANES_OF: [[f32; GROUP]; 256] = {
 
 /// Maps that a product runs through.
 pub(super) trait Visible: Sync {
+    /// A change of visibility.
+    type Change: Copy + Send + Sync;
     /// Whether a map is constant.
     fn state(&self, map: usize) -> MapState;
-    /// Adds Σ V L to `sum`, from suffix sums of L.
-    fn add(&self, map: usize, sums: &[Record], sum: &mut Record);
+    /// How often a map changes.
+    fn count(&self, map: usize) -> usize;
+    /// Appends the changes of a map.
+    fn append_changes(&self, map: usize, to: &mut Vec<Self::Change>);
+    /// Adds Σ V L of the map of some changes to `sum`, from suffix sums of L.
+    fn add_changes<T: Table>(&self, changes: &[Self::Change], sums: T, sum: &mut T::Sum);
+    /// Σ V L of a map, from suffix sums of L.
+    fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums;
     /// Visibility of every place, eight on end a group; `levels` may hold anything where no place of a group is visible.
     ///
     /// Sets bit g of `groups` if a place of group g is visible.
@@ -68,21 +76,45 @@ pub(super) trait Visible: Sync {
 }
 
 impl<I: MapIndex> Visible for BinaryMaps<I> {
+    type Change = I;
+
     #[inline(always)]
     fn state(&self, map: usize) -> MapState {
         self.map(map).state()
     }
 
     #[inline(always)]
-    fn add(&self, map: usize, sums: &[Record], sum: &mut Record) {
-        let changes = self.map(map).changes();
+    fn count(&self, map: usize) -> usize {
+        self.map(map).changes().len()
+    }
+
+    fn append_changes(&self, map: usize, to: &mut Vec<I>) {
+        to.extend_from_slice(self.map(map).changes());
+    }
+
+    #[inline(always)]
+    fn add_changes<T: Table>(&self, changes: &[I], sums: T, sum: &mut T::Sum) {
+        // A copy that stays in registers.
+        let mut total = *sum;
+        let (runs, rest) = changes.as_chunks::<2>();
+        for &[on, off] in runs {
+            sums.run(&mut total, on.place(), off.place());
+        }
+        if let &[on] = rest {
+            sums.step(&mut total, on.place(), 1.0);
+        }
+        *sum = total;
+    }
+
+    #[inline(always)]
+    fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums {
+        let (changes, mut sum) = (self.map(map).changes(), [0.0; 12]);
         // A table that is as long as an index can say needs no check of each look-up.
         match sums.first_chunk::<256>() {
-            Some(sums) if I::LONGEST == 256 => {
-                add_runs(changes, |change| &sums[usize::from(change.place() as u8)], sum)
-            }
-            _ => add_runs(changes, |change| &sums[change.place()], sum),
+            Some(sums) if I::LONGEST == 256 => self.add_changes(changes, sums, &mut sum),
+            _ => self.add_changes(changes, sums, &mut sum),
         }
+        sum
     }
 
     #[inline(always)]
@@ -102,28 +134,16 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
     }
 }
 
-/// Adds the sums where runs begin and takes those off where they end.
-#[inline(always)]
-fn add_runs<'a, I: MapIndex>(changes: &[I], at: impl Fn(I) -> &'a Record, sum: &mut Record) {
-    let (pairs, rest) = changes.as_chunks::<2>();
-    // A copy that stays in registers.
-    let mut total = *sum;
-    for &[on, off] in pairs {
-        let (on, off) = (at(on), at(off));
-        for k in 0..12 {
-            total[k] += on[k] - off[k];
-        }
-    }
-    if let &[on] = rest {
-        let on = at(on);
-        for k in 0..12 {
-            total[k] += on[k];
-        }
-    }
-    *sum = total;
+/// Where a map of several levels changes, and by how many.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct GrayChange<I> {
+    place: I,
+    difference: i16,
 }
 
 impl<I: MapIndex> Visible for GrayMaps<I> {
+    type Change = GrayChange<I>;
+
     #[inline(always)]
     fn state(&self, map: usize) -> MapState {
         let map = self.map(map);
@@ -135,19 +155,33 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     }
 
     #[inline(always)]
-    fn add(&self, map: usize, sums: &[Record], sum: &mut Record) {
-        let map = self.map(map);
-        let scale = 1.0 / f32::from(map.top());
-        let (mut total, mut before) = (*sum, 0.0);
-        for (change, &level) in map.changes().iter().zip(map.levels()) {
-            let (level, sums) = (f32::from(level), &sums[change.place()]);
-            let weight = (level - before) * scale;
-            before = level;
-            for k in 0..12 {
-                total[k] += weight * sums[k];
-            }
+    fn count(&self, map: usize) -> usize {
+        self.map(map).changes().len()
+    }
+
+    fn append_changes(&self, map: usize, to: &mut Vec<GrayChange<I>>) {
+        let differences = self.map(map).differences();
+        to.extend(differences.map(|(place, difference)| GrayChange { place: I::of(place), difference }));
+    }
+
+    #[inline(always)]
+    fn add_changes<T: Table>(&self, changes: &[GrayChange<I>], sums: T, sum: &mut T::Sum) {
+        let scale = 1.0 / f32::from(self.top());
+        let mut total = *sum;
+        for change in changes {
+            sums.step(&mut total, change.place.place(), f32::from(change.difference) * scale);
         }
         *sum = total;
+    }
+
+    #[inline(always)]
+    fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums {
+        let scale = 1.0 / f32::from(self.top());
+        let mut total = [0.0; 12];
+        for (place, difference) in self.map(map).differences() {
+            sums.step(&mut total, place, f32::from(difference) * scale);
+        }
+        total
     }
 
     #[inline(always)]

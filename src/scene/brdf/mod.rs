@@ -178,7 +178,7 @@ pub(crate) struct Axes {
 impl Axes {
     /// The normal is kept, the tangent made perpendicular to it; a frame that is degenerate gives some frame.
     pub(crate) fn new(frame: &Frame) -> Self {
-        let normal = frame.normal.cast::<f64>().try_normalize(1e-30).unwrap_or_else(Vector3::z);
+        let normal = Self::upright(frame);
         let flat = |t: Vector3<f64>| (t - normal * normal.dot(&t)).try_normalize(1e-3);
         let tangent = flat(frame.tangent.cast())
             .or_else(|| flat(Vector3::x()))
@@ -188,6 +188,11 @@ impl Axes {
         // A left-handed frame stays one.
         let bitangent = if bitangent.dot(&frame.bitangent.cast()) < 0.0 { -bitangent } else { bitangent };
         Self { tangent, bitangent, normal }
+    }
+
+    /// The normal alone.
+    pub(crate) fn upright(frame: &Frame) -> Vector3<f64> {
+        frame.normal.cast::<f64>().try_normalize(1e-30).unwrap_or_else(Vector3::z)
     }
 
     pub(crate) fn normal(&self) -> &Vector3<f64> {

@@ -1,0 +1,140 @@
+//! The maps once more, in the order in which frames sum them up.
+
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
+use super::visible::Visible;
+
+/// Vertices whose cosine sums are taken together: their number in a group is a byte.
+pub(super) const TOGETHER: usize = 256;
+
+/// Maps of as many changes each, one after the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Batch {
+    /// Changes of each map.
+    pub(super) changes: u16,
+    pub(super) maps: u16,
+}
+
+/// The changes of all maps that are not hidden, [group of vertices][block][number of changes][map].
+///
+/// All of a group's vertices look up a block before the next one comes, so that its table is read from the first cache; and
+/// maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Schedule<C> {
+    blocks: usize,
+    /// [group]: where its batches, maps and changes begin; one more at the end.
+    starts: Vec<[usize; 3]>,
+    /// [group][block]: the number of batches.
+    counts: Vec<u16>,
+    batches: Vec<Batch>,
+    /// [map]: the vertex in its group.
+    vertices: Vec<u8>,
+    changes: Vec<C>,
+}
+
+impl<C: Copy + Send + Sync> Schedule<C> {
+    /// Of maps [vertex][block].
+    pub(super) fn new<V: Visible<Change = C>>(maps: &V, vertices: usize, blocks: usize) -> Self {
+        let groups = vertices.div_ceil(TOGETHER);
+        let group = |group: usize| {
+            let mut part = Self::empty(blocks);
+            let range = group * TOGETHER..vertices.min((group + 1) * TOGETHER);
+            (0..blocks).for_each(|block| part.push(maps, range.clone().map(|vertex| vertex * blocks + block)));
+            part
+        };
+        #[cfg(feature = "rayon")]
+        let parts: Vec<Self> = (0..groups).into_par_iter().map(group).collect();
+        #[cfg(not(feature = "rayon"))]
+        let parts = (0..groups).map(group);
+        let mut all = Self::empty(blocks);
+        for part in parts {
+            all.counts.extend(part.counts);
+            all.batches.extend(part.batches);
+            all.vertices.extend(part.vertices);
+            all.changes.extend(part.changes);
+            all.starts.push([all.batches.len(), all.vertices.len(), all.changes.len()]);
+        }
+        all
+    }
+
+    fn empty(blocks: usize) -> Self {
+        Self {
+            blocks,
+            starts: vec![[0; 3]],
+            counts: Vec::new(),
+            batches: Vec::new(),
+            vertices: Vec::new(),
+            changes: Vec::new(),
+        }
+    }
+
+    /// Appends one block of a group: `maps` of its vertices in turn.
+    fn push<V: Visible<Change = C>>(&mut self, maps: &V, of_block: impl Iterator<Item = usize>) {
+        let sized = of_block.enumerate().map(|(vertex, map)| (maps.count(map), vertex as u8, map));
+        let mut seen: Vec<_> = sized.filter(|&(changes, ..)| changes > 0).collect();
+        seen.sort_unstable();
+        let before = self.batches.len();
+        for batch in seen.chunk_by(|a, b| a.0 == b.0) {
+            self.batches.push(Batch { changes: batch[0].0 as u16, maps: batch.len() as u16 });
+            for &(_, vertex, map) in batch {
+                self.vertices.push(vertex);
+                maps.append_changes(map, &mut self.changes);
+            }
+        }
+        self.counts.push((self.batches.len() - before) as u16);
+    }
+
+    /// The maps of one group.
+    pub(super) fn group(&self, group: usize) -> Group<'_, C> {
+        let ([b, v, c], [b_end, v_end, c_end]) = (self.starts[group], self.starts[group + 1]);
+        Group {
+            counts: &self.counts[group * self.blocks..][..self.blocks],
+            batches: &self.batches[b..b_end],
+            vertices: &self.vertices[v..v_end],
+            changes: &self.changes[c..c_end],
+        }
+    }
+
+    /// Bytes in memory.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.starts[..])
+            + size_of_val(&self.counts[..])
+            + size_of_val(&self.batches[..])
+            + size_of_val(&self.vertices[..])
+            + size_of_val(&self.changes[..])
+    }
+}
+
+/// The maps of a group of vertices that are not taken yet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Group<'a, C> {
+    counts: &'a [u16],
+    batches: &'a [Batch],
+    vertices: &'a [u8],
+    changes: &'a [C],
+}
+
+impl<'a, C> Group<'a, C> {
+    /// Takes the next block's batches.
+    #[inline(always)]
+    pub(super) fn next_block(&mut self) -> &'a [Batch] {
+        let (&count, rest) = self.counts.split_first().expect("a group has all blocks");
+        self.counts = rest;
+        take(&mut self.batches, usize::from(count))
+    }
+
+    /// Takes the vertices of a batch and the changes of their maps on end.
+    #[inline(always)]
+    pub(super) fn next_maps(&mut self, batch: Batch) -> (&'a [u8], &'a [C]) {
+        let (maps, changes) = (usize::from(batch.maps), usize::from(batch.changes));
+        (take(&mut self.vertices, maps), take(&mut self.changes, maps * changes))
+    }
+}
+
+#[inline(always)]
+fn take<'a, T>(from: &mut &'a [T], count: usize) -> &'a [T] {
+    let (first, rest) = from.split_at(count);
+    *from = rest;
+    first
+}
