@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::bounds::MIRROR_CELLS;
+use super::live::Live;
 use super::lobes::{Lobe, Model, Plan, Sampling};
-use super::products::{Cut, Live, LobeSum, Moments};
+use super::products::{Cut, LobeSum, Moments};
 use super::relighter::Relighter;
 use super::rule::{PIXELS, Rule, fixed};
 use super::samples::Samples;
@@ -30,7 +31,6 @@ pub(super) struct Scratch {
     /// [block]
     classes: Vec<u8>,
     cells: Vec<u8>,
-    least: Vec<f32>,
     levels: Vec<[f32; GROUP]>,
 }
 
@@ -44,7 +44,6 @@ impl Scratch {
             live: Vec::with_capacity(blocks),
             classes: vec![0; blocks],
             cells: vec![0; blocks],
-            least: vec![-1.0; blocks],
             levels: vec![[0.0; GROUP]; MOST_PLACES / GROUP],
         }
     }
@@ -162,7 +161,7 @@ impl Frame<'_, '_> {
             return sum;
         }
         let facing = self.facing(vertex, seen);
-        self.find_live(maps, vertex, scratch);
+        self.relighter.live.list(vertex, &mut scratch.live);
         for lobe in &plan.lobes {
             self.classify(lobe, &facing, scratch);
             sum += self.lobe(maps, vertex, lobe, &facing, scratch).component_mul(&lobe.factor);
@@ -170,21 +169,10 @@ impl Frame<'_, '_> {
         sum
     }
 
-    fn find_live<V: Visible>(self, maps: &V, vertex: usize, scratch: &mut Scratch) {
-        let blocks = self.relighter.limits.len();
-        scratch.live.clear();
-        for block in 0..blocks {
-            match maps.state(vertex * blocks + block) {
-                MapState::AllZero => {}
-                state => scratch.live.push(Live { block: block as u32, free: state == MapState::AllOne }),
-            }
-        }
-    }
-
-    /// The number of samples of each live block, and which of its pixels count if it takes them.
+    /// The number of samples of each live block.
     fn classify(self, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
-        let Relighter { directions, limits, arch, .. } = self.relighter;
-        let Scratch { live, classes, cells, least, .. } = scratch;
+        let Relighter { directions, arch, .. } = self.relighter;
+        let Scratch { live, classes, cells, .. } = scratch;
         match &lobe.sampling {
             Sampling::Pixels => classes.fill(PIXELS),
             Sampling::Fixed(exponent) => {
@@ -197,30 +185,20 @@ impl Frame<'_, '_> {
                     classes[block] = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
                 }
             }
-            Sampling::Mirror { bounds, offset, inverse_exponent } => {
+            Sampling::Mirror { bounds, .. } => {
                 arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
                 for &Live { block, free } in live.iter() {
                     let block = block as usize;
-                    let codes = &bounds.cells()[usize::from(cells[block])];
-                    let limits = &limits[block];
-                    let class = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
-                    classes[block] = class;
-                    if class == PIXELS || class == PIXELS - 1 && !free {
-                        // cos^n θ below what a pixel may reflect, for all of a group.
-                        let cosine = (limits.darkness(*offset) * inverse_exponent).min(0.0).exp2();
-                        let (sine, [c, s]) = ((1.0 - cosine * cosine).sqrt(), self.relighter.group_radius);
-                        least[block] = if cosine > -c { cosine * c - sine * s } else { -1.0 };
-                    }
+                    classes[block] = bounds.cells()[usize::from(cells[block])].class(&lobe.checks[block], free);
                 }
             }
-            Sampling::Wide { bounds, offset } => {
+            Sampling::Wide { bounds, .. } => {
                 let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
                 for &Live { block, free } in live.iter() {
                     let block = block as usize;
                     let centre = Vector3::from(at(&directions.centres, block)).cast();
                     let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    let limits = &limits[block];
-                    classes[block] = if free { codes.free(limits, *offset) } else { codes.mixed(limits, *offset) };
+                    classes[block] = codes.class(&lobe.checks[block], free);
                 }
             }
         }
@@ -235,7 +213,8 @@ impl Frame<'_, '_> {
         scratch: &mut Scratch,
     ) -> Vector3<f64> {
         let (axes, wo) = (&seen.axes, &seen.wo);
-        let cut = matches!(lobe.sampling, Sampling::Mirror { .. }).then(|| seen.mirror());
+        let is_cut = matches!(lobe.sampling, Sampling::Mirror { .. });
+        let cut = is_cut.then(|| Cut { mirror: seen.mirror(), least: &lobe.least });
         let run = LobeRun { frame: self, vertex, seen, cut };
         let sum = match &lobe.model {
             Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
@@ -255,12 +234,12 @@ impl Frame<'_, '_> {
 
     pub(super) fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
         let mut stats = FrameStats::default();
-        let blocks = self.relighter.limits.len();
+        let blocks = self.relighter.light.layout().blocks();
         let mut most = vec![0_u8; blocks];
         for vertex in 0..self.relighter.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
             let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
-            self.find_live(maps, vertex, scratch);
+            self.relighter.live.list(vertex, &mut scratch.live);
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
                 self.classify(lobe, &seen, scratch);
@@ -281,17 +260,15 @@ struct LobeRun<'r, 'f, 'a> {
     frame: Frame<'f, 'a>,
     vertex: usize,
     seen: &'r Facing,
-    /// The mirror direction, if pixels far from it are left out.
-    cut: Option<[f32; 3]>,
+    cut: Option<Cut<'r>>,
 }
 
 impl LobeRun<'_, '_, '_> {
     fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
-        let Scratch { samples, live, classes, least, levels, .. } = scratch;
+        let Scratch { samples, live, classes, levels, .. } = scratch;
         let Relighter { light, directions, arch, .. } = self.frame.relighter;
         let first = self.vertex * light.layout().blocks();
-        let cut = self.cut.map(|mirror| Cut { mirror, least });
-        let normal = self.seen.normal;
+        let (normal, cut) = (self.seen.normal, self.cut);
         arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples, levels, cut })
     }
 }

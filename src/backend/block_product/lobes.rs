@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::bounds::{Errors, Gauge, MirrorBounds, WideBounds, offset};
+use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, WideBounds, offset};
 use super::rule::Rule;
 use crate::Result;
 use crate::scene::{BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
@@ -24,6 +24,30 @@ pub(super) struct Lobe {
     pub(super) model: Model,
     pub(super) factor: Vector3<f64>,
     pub(super) sampling: Sampling,
+    /// [block]: the errors that the light allows, and the least cosine to the mirror direction of a group of places that counts.
+    pub(super) checks: Vec<Checks>,
+    pub(super) least: Vec<f32>,
+}
+
+impl Lobe {
+    fn new(model: Model, factor: Vector3<f64>, sampling: Sampling) -> Self {
+        Self { model, factor, sampling, checks: Vec::new(), least: Vec::new() }
+    }
+
+    /// Sets what depends on the light; `group_radius`: cosine and sine of the radius of a group of places.
+    fn weigh(&mut self, limits: &[Limits], group_radius: [f32; 2]) {
+        let (Sampling::Mirror { offset, .. } | Sampling::Wide { offset, .. }) = self.sampling else { return };
+        self.checks.clear();
+        self.checks.extend(limits.iter().map(|limits| limits.checks(offset)));
+        let Sampling::Mirror { inverse_exponent, .. } = self.sampling else { return };
+        self.least.clear();
+        self.least.extend(limits.iter().map(|limits| {
+            // cosⁿ θ below what a pixel may reflect, for all of a group.
+            let cosine = (limits.darkness(offset) * inverse_exponent).min(0.0).exp2();
+            let (sine, [c, s]) = ((1.0 - cosine * cosine).sqrt(), group_radius);
+            if cosine > -c { cosine * c - sine * s } else { -1.0 }
+        }));
+    }
 }
 
 /// Whose values.
@@ -84,16 +108,22 @@ impl Planner {
         &self.plans
     }
 
-    /// Plans for `brdfs`; nothing is done for the same as last time.
-    pub(super) fn set(&mut self, brdfs: &[Arc<dyn Brdf>]) -> Result<()> {
+    /// Plans for `brdfs`; nothing is done for the same as last time. Returns whether they are new.
+    pub(super) fn set(&mut self, brdfs: &[Arc<dyn Brdf>]) -> Result<bool> {
         let same = |(a, b): (&Arc<dyn Brdf>, &Arc<dyn Brdf>)| std::ptr::addr_eq(Arc::as_ptr(a), Arc::as_ptr(b));
         if brdfs.len() == self.brdfs.len() && brdfs.iter().zip(&self.brdfs).all(same) {
-            return Ok(());
+            return Ok(false);
         }
         let plans: Result<Vec<Plan>> = brdfs.iter().map(|brdf| self.plan(brdf)).collect();
         self.plans = plans?;
         self.brdfs = brdfs.to_vec();
-        Ok(())
+        Ok(true)
+    }
+
+    /// Tells the lobes what the light allows; to be called for a new light and for new plans.
+    pub(super) fn weigh(&mut self, limits: &[Limits], group_radius: [f32; 2]) {
+        let lobes = self.plans.iter_mut().flat_map(|plan| &mut plan.lobes);
+        lobes.for_each(|lobe| lobe.weigh(limits, group_radius));
     }
 
     fn plan(&mut self, brdf: &Arc<dyn Brdf>) -> Result<Plan> {
@@ -123,7 +153,7 @@ impl Planner {
         let factor = factor * weight;
         if factor.max() > 0.0 {
             let sampling = self.sampling(&model, factor.max(), weight)?;
-            plan.lobes.push(Lobe { model, factor, sampling });
+            plan.lobes.push(Lobe::new(model, factor, sampling));
         }
         Ok(())
     }

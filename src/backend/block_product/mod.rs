@@ -28,6 +28,7 @@ mod frame;
 mod interpolation;
 mod layout;
 mod light;
+mod live;
 mod lobes;
 mod products;
 mod relighter;

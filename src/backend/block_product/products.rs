@@ -1,6 +1,7 @@
 //! The sums of one vertex: algorithm 1 [Inger 2013] for one lobe, and the cosine of all lobes together.
 
 use super::light::{LightForms, NODES};
+use super::live::Live;
 use super::samples::{Samples, Sums, reflect};
 use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};
@@ -45,14 +46,6 @@ impl<V: Visible> Moments<'_, V> {
             }
         }
     }
-}
-
-/// A block that is not hidden.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Live {
-    pub(super) block: u32,
-    /// Whether all of it is visible.
-    pub(super) free: bool,
 }
 
 /// Σ L V ρ cos of one vertex and lobe.
@@ -175,17 +168,11 @@ impl Cut<'_> {
         let range = block * count..(block + 1) * count;
         let [x, y, z] = directions.groups.each_ref().map(|plane| &plane[range.clone()]);
         let least = self.least[block];
-        let mut near = [0_u8; MOST_PLACES / GROUP];
+        let mut near = [0_u32; MOST_PLACES / GROUP];
         for (((&x, &y), &z), near) in x.iter().zip(y).zip(z).zip(&mut near) {
-            *near = u8::from(x * self.mirror[0] + y * self.mirror[1] + z * self.mirror[2] >= least);
+            *near = u32::from(x * self.mirror[0] + y * self.mirror[1] + z * self.mirror[2] >= least);
         }
-        let mut groups = GroupBits::default();
-        for (g, &near) in near[..count].iter().enumerate() {
-            if near != 0 {
-                groups.set(g);
-            }
-        }
-        groups
+        GroupBits::of(&near[..count])
     }
 }
 

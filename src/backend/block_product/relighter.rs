@@ -6,12 +6,13 @@ use super::bounds::{Gauge, Limits, spread};
 use super::frame::{Frame, Scratch};
 use super::interpolation::Basis;
 use super::light::LightForms;
+use super::live::LiveBlocks;
 use super::lobes::Planner;
 use super::rule::Rule;
 use super::stats::FrameStats;
 use super::tables::Directions;
 use super::schedule::Schedule;
-use super::transport::{Maps, Transport};
+use super::transport::{Maps, Transport, with_maps};
 use super::visible::GrayChange;
 use crate::compress::{BinaryMaps, GrayMaps};
 use crate::error::check_length;
@@ -44,13 +45,16 @@ pub struct Relighter<'a> {
     pub(super) directions: Directions,
     pub(super) planner: Planner,
     /// [block]
-    pub(super) limits: Vec<Limits>,
+    limits: Vec<Limits>,
     pub(super) radius: f64,
     /// Cosine and sine of the radius of a group of places.
-    pub(super) group_radius: [f32; 2],
+    group_radius: [f32; 2],
     pub(super) scratch: Vec<Scratch>,
     pub(super) needed: Vec<bool>,
     scheduled: Scheduled<'a>,
+    pub(super) live: LiveBlocks,
+    /// Whether the plans know the light.
+    is_weighed: bool,
     pub(super) arch: pulp::Arch,
 }
 
@@ -118,6 +122,8 @@ impl<'a> Relighter<'a> {
             scratch: vec![scratch; pieces()],
             needed: Vec::new(),
             scheduled: Scheduled::new(transport),
+            live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, expected, layout.blocks())),
+            is_weighed: false,
             arch: pulp::Arch::new(),
             light,
         })
@@ -136,13 +142,14 @@ impl<'a> Relighter<'a> {
                 *limits = Limits::new(allowed, norms, blocks);
             }
         }
+        self.is_weighed = false;
         Ok(())
     }
 
     /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the order of
     /// frames.
     pub fn bytes(&self) -> usize {
-        with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
+        self.live.bytes() + with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
     }
 
     /// The light's forms.
@@ -194,11 +201,19 @@ impl<'a> Relighter<'a> {
             out.fill(Vector3::zeros());
             return Ok(());
         }
-        self.planner.set(materials.brdfs())?;
+        self.plan(materials)?;
         let mut scratch = std::mem::take(&mut self.scratch);
         let frame = Frame { relighter: self, view, materials };
         with_scheduled!(&self.scheduled, maps, schedule => frame.run((*maps, schedule), &mut scratch, out));
         self.scratch = scratch;
+        Ok(())
+    }
+
+    fn plan(&mut self, materials: &Materials) -> Result<()> {
+        if self.planner.set(materials.brdfs())? || !self.is_weighed {
+            self.planner.weigh(&self.limits, self.group_radius);
+            self.is_weighed = true;
+        }
         Ok(())
     }
 
@@ -209,7 +224,7 @@ impl<'a> Relighter<'a> {
     pub fn frame_stats(&mut self, view: &View, materials: &Materials) -> Result<FrameStats> {
         materials.check(self.mesh.positions().len())?;
         self.needed.clear();
-        self.planner.set(materials.brdfs())?;
+        self.plan(materials)?;
         let mut scratch = self.scratch.first().cloned().expect("there is a piece");
         let frame = Frame { relighter: self, view, materials };
         Ok(with_scheduled!(&self.scheduled, maps, _schedule => frame.count(*maps, &mut scratch)))

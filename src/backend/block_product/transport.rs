@@ -59,6 +59,7 @@ macro_rules! with_maps {
         }
     };
 }
+pub(super) use with_maps;
 
 /// What a transport holds, as table 3 [Inger 2013] counts it.
 #[derive(Debug, Clone, Copy, PartialEq)]

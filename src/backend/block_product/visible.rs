@@ -18,6 +18,17 @@ impl GroupBits {
         Self(u128::MAX >> (128 - count))
     }
 
+    /// Those whose entry is 1 and not 0; they are eight or a multiple of eight.
+    #[inline(always)]
+    pub(super) fn of(entries: &[u32]) -> Self {
+        let mut bits = 0;
+        for (k, eight) in entries.as_chunks::<8>().0.iter().enumerate() {
+            let byte = (0..8).fold(0, |byte, lane| byte | eight[lane] << lane);
+            bits |= u128::from(byte) << (8 * k);
+        }
+        Self(bits)
+    }
+
     #[inline(always)]
     pub(super) fn set(&mut self, group: usize) {
         self.0 |= 1 << group;

@@ -41,53 +41,77 @@ impl Errors {
 /// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the eighth root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Codes {
-    rms: [u8; 4],
-    bias: [u8; 4],
-    mean: [u8; 4],
+    rms: Four,
+    bias: Four,
+    mean: Four,
 }
 
 impl Codes {
     /// Of errors and a tenth more, because they are measured at single places.
     pub(super) fn new(errors: Errors) -> Self {
-        let codes = |errors: [f64; 4]| errors.map(|error| code(1.1 * error));
+        let codes = |errors: [f64; 4]| Four::new(errors.map(|error| code(1.1 * error)));
         Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
     }
 
     pub(super) fn worse(self, other: Self) -> Self {
-        let larger = |a: [u8; 4], b: [u8; 4]| std::array::from_fn(|k| a[k].max(b[k]));
         Self {
-            rms: larger(self.rms, other.rms),
-            bias: larger(self.bias, other.bias),
-            mean: larger(self.mean, other.mean),
+            rms: self.rms.larger(other.rms),
+            bias: self.bias.larger(other.bias),
+            mean: self.mean.larger(other.mean),
         }
     }
 
-    /// The fewest samples of a free block: none, 1, 4, 16, pixels.
+    /// The fewest samples of a block, free or partly hidden: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn free(&self, limits: &Limits, offset: f32) -> u8 {
-        let (bias, rms) = (limit(limits.bias - offset), limit(limits.deviation - offset));
-        first(std::array::from_fn(|k| self.bias[k] <= bias && self.rms[k] <= rms))
-    }
-
-    /// The same of a block that is partly hidden.
-    #[inline(always)]
-    pub(in crate::backend::block_product) fn mixed(&self, limits: &Limits, offset: f32) -> u8 {
-        let (rms, mean) = (limit(limits.rms - offset), limit(limits.mean - offset));
-        first(std::array::from_fn(|k| self.rms[k] <= rms || self.mean[k] <= mean))
+    pub(in crate::backend::block_product) fn class(&self, checks: &Checks, free: bool) -> u8 {
+        let in_free = checks.bias.holds(self.bias) & checks.deviation.holds(self.rms);
+        let in_mixed = checks.rms.holds(self.rms) | checks.mean.holds(self.mean);
+        let holds = if free { in_free } else { in_mixed };
+        (holds.trailing_zeros() / 16) as u8
     }
 }
 
-/// The index of the first that holds, or 4.
-#[inline(always)]
-fn first(holds: [bool; 4]) -> u8 {
-    let bits = holds.iter().enumerate().fold(16, |bits, (k, &holds)| bits | u32::from(holds) << k);
-    bits.trailing_zeros() as u8
+/// Codes of 0, 1, 4 and 16 samples, sixteen bits each.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+struct Four(u64);
+
+impl Four {
+    fn new(codes: [u8; 4]) -> Self {
+        Self(codes.iter().rev().fold(0, |four, &code| four << 16 | u64::from(code)))
+    }
+
+    fn larger(self, other: Self) -> Self {
+        let code = |four: Self, k: usize| (four.0 >> (16 * k)) as u8;
+        Self::new(std::array::from_fn(|k| code(self, k).max(code(other, k))))
+    }
 }
 
-/// A limit as a code; an error of 0 is always allowed, one of [`NEVER`] never.
-#[inline(always)]
-fn limit(limit: f32) -> u8 {
-    limit.clamp(0.0, f32::from(NEVER) - 1.0) as u8
+/// A limit in each sixteen bits, and their highest bit.
+#[derive(Debug, Clone, Copy, Default)]
+struct Check(u64);
+
+impl Check {
+    const HIGHEST: u64 = 0x8000_8000_8000_8000;
+
+    /// An error of 0 is always allowed, one of [`NEVER`] never.
+    fn new(limit: f32) -> Self {
+        Self(limit.clamp(0.0, f32::from(NEVER) - 1.0) as u64 * 0x0001_0001_0001_0001 | Self::HIGHEST)
+    }
+
+    /// Leaves the highest of sixteen bits where a code is not above the limit; no difference borrows from the next.
+    #[inline(always)]
+    fn holds(self, codes: Four) -> u64 {
+        (self.0 - codes.0) & Self::HIGHEST
+    }
+}
+
+/// The largest errors that a block's light allows a lobe.
+#[derive(Debug, Clone, Copy, Default)]
+pub(in crate::backend::block_product) struct Checks {
+    bias: Check,
+    deviation: Check,
+    rms: Check,
+    mean: Check,
 }
 
 /// The largest errors that a block's light allows, as codes without offset; see [`threshold`].
@@ -120,8 +144,17 @@ impl Limits {
         }
     }
 
+    /// For a lobe of the factor of `offset`.
+    pub(in crate::backend::block_product) fn checks(&self, offset: f32) -> Checks {
+        Checks {
+            bias: Check::new(self.bias - offset),
+            deviation: Check::new(self.deviation - offset),
+            rms: Check::new(self.rms - offset),
+            mean: Check::new(self.mean - offset),
+        }
+    }
+
     /// log₂ of what a pixel may reflect, times the factor of `offset`, and still be left out.
-    #[inline(always)]
     pub(in crate::backend::block_product) fn darkness(&self, offset: f32) -> f32 {
         (self.rms.max(self.mean) - self.spread - offset - ZERO as f32) / STEPS as f32
     }

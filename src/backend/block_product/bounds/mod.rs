@@ -19,7 +19,7 @@ mod wide;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-pub(super) use errors::{Errors, Limits, Norms, offset, spread};
+pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
 pub(super) use mirror::{MIRROR_CELLS, MirrorBounds};
 pub(super) use wide::WideBounds;

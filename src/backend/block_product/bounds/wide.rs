@@ -152,11 +152,11 @@ pub(in crate::backend::block_product) struct WideView<'a> {
 impl WideView<'_> {
     /// The errors of a block whose centre is at `d`, in local coordinates.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn codes(&self, d: [f32; 3]) -> Codes {
+    pub(in crate::backend::block_product) fn codes(&self, d: [f32; 3]) -> &Codes {
         let elevation = cell_of(half_sine(d[2]) * self.scale, self.counts[0]);
         let (x, y) = (d[0] * self.along[0] + d[1] * self.along[1], d[1] * self.along[0] - d[0] * self.along[1]);
         let turn = if self.isotropic { 0.5 * diamond(x, y.abs()) } else { 0.25 * diamond(x, y) };
-        self.cells[elevation * self.counts[1] + cell_of(turn, self.counts[1])]
+        &self.cells[elevation * self.counts[1] + cell_of(turn, self.counts[1])]
     }
 }
 
