@@ -332,7 +332,12 @@ fn progress_ends_at_the_total_and_cancels_anywhere() {
     let total = 900 * (2 * settings.iterations + 1);
     assert!(calls.iter().all(|&(done, of)| done <= total && of == total));
     assert_eq!(calls.last(), Some(&(total, total)));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for limit in [0, 1, 7, calls.len() / 2, calls.len() - 2] {
         assert_eq!(run(limit).0, Err(Error::Cancelled), "{limit} of {}", calls.len());
+        // On one thread nothing is under way that could still finish; one step may be left out as a whole.
+        let (result, heard) = one.install(|| run(limit));
+        assert_eq!(result, Err(Error::Cancelled), "{limit} of {}", calls.len());
+        assert!((limit..=limit + 1).contains(&heard.len()), "{} calls for {limit}", heard.len());
     }
 }

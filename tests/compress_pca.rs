@@ -256,6 +256,37 @@ fn degenerate_matrices() {
     assert!(matches!(large, Err(Error::OutOfRange { got: 1e141, .. })));
 }
 
+/// Of entries of one magnitude the first is positive, whatever sign the method found.
+#[test]
+fn the_first_of_equal_entries_is_positive() {
+    for method in [PcaMethod::Exact, PcaMethod::Randomised] {
+        for sign in [1.0, -1.0] {
+            // Tall and wide: x and −x for some vectors of ±1.
+            for row in [&[1.0, -1.0][..], &[-1.0, 1.0, 1.0, -1.0, -1.0]] {
+                let matrix: Vec<f64> = [sign, -sign].iter().flat_map(|s| row.iter().map(move |x| s * x)).collect();
+                let settings = PcaSettings::new(1).with_method(method);
+                let pca = Pca::new(&matrix, row.len(), &settings).unwrap();
+                let component = pca.component(0);
+                assert!(component.iter().all(|x| x.abs() == component[0].abs()), "equal: {component:?}");
+                assert!(component[0] > 0.0, "{method:?}: {component:?}");
+            }
+        }
+    }
+}
+
+/// Exact up to a smaller side of twice the sketch, randomised beyond.
+#[test]
+fn the_method_goes_by_size() {
+    let settings = PcaSettings::new(3).with_oversampling(2);
+    for (rows, columns) in [(40, 10), (10, 40), (40, 11), (11, 40)] {
+        let matrix = large::<f64>(rows, columns);
+        let by = |method| Pca::new(&matrix, columns, &settings.with_method(method)).unwrap();
+        let (chosen, exact, random) = (by(PcaMethod::Auto), by(PcaMethod::Exact), by(PcaMethod::Randomised));
+        assert_ne!(exact, random, "{rows} × {columns}: no choice to see");
+        assert!(chosen == if rows.min(columns) == 10 { exact } else { random }, "{rows} × {columns}");
+    }
+}
+
 #[test]
 fn parts_make_the_same() {
     let matrix = large::<f32>(60, 40);

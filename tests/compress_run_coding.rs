@@ -152,6 +152,26 @@ proptest! {
         round_trip::<u8>(&visible);
     }
 
+    /// A slice is what the maps of its range alone give.
+    #[test]
+    fn slices_are_the_maps_of_their_range(levels in prop::collection::vec(strategies::level_map(70, 3), 0..6)) {
+        let of = |range: &[Vec<u8>]| {
+            let (mut binary, mut gray) = (BinaryMaps::<u8>::new(70).unwrap(), GrayMaps::<u8>::new(70, 3).unwrap());
+            for levels in range {
+                binary.push_bools(&levels.iter().map(|&level| level > 0).collect::<Vec<_>>());
+                gray.push_levels(levels);
+            }
+            (binary, gray)
+        };
+        let (binary, gray) = of(&levels);
+        for start in 0..=levels.len() {
+            for end in start..=levels.len() {
+                let got = (binary.slice(start..end), gray.slice(start..end));
+                prop_assert_eq!(got, of(&levels[start..end]), "{}..{}", start, end);
+            }
+        }
+    }
+
     /// Dot products are the sums over the pixels, one channel, three, and weighted.
     #[test]
     fn dot_products_match_pixel_sums(
@@ -462,6 +482,11 @@ fn wrong_lengths_panic() {
     assert!(panics(|| encode_gaps(&[3u8, 3], &mut Vec::new())));
     assert!(panics(|| GrayMaps::<u8>::new(1, 3).unwrap().push_levels(&[4])));
     assert!(panics(|| GrayMaps::<u8>::new(1, 3).unwrap().append(&GrayMaps::new(1, 4).unwrap())));
+    let gray = || GrayMaps::<u8>::with_bits(1, 2).unwrap();
+    for (start, end) in [(0, 2), (2, 2), (1, 0)] {
+        assert!(panics(|| drop(maps().slice(start..end))));
+        assert!(panics(|| drop(gray().slice(start..end))));
+    }
     assert!(panics(|| Scan::new(ScanOrder::RowMajor, 2, 2).unwrap().apply(&[0; 4], &mut [0; 3])));
     assert_eq!(maps().map(0).dot(&[1.0; 65]), 1.0);
 }

@@ -1,18 +1,20 @@
 //! Ground truth: against its naive twin, the white furnace, linearity, every form of visibility.
 #![cfg(all(feature = "scene", feature = "reference"))]
 
+mod support;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+use haarmonic::Error;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::scene::ground_truth as twin;
 use haarmonic::scene::{
     BinaryVisibility, Brdf, CookTorrance, GroundTruth, Lambert, Materials, Mesh, Phong, TexelVisibility, View,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
-use haarmonic::{Error, Progress};
 use proptest::prelude::*;
+use support::Watch;
 
 fn cases() -> ProptestConfig {
     let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(32);
@@ -302,22 +304,6 @@ fn what_does_not_fit_is_an_error() {
     assert_eq!(got, Err(Error::NotFinite { what: "visibility weight", index: 7 }));
 }
 
-#[derive(Default)]
-struct Watch {
-    largest: AtomicUsize,
-    stop_after: Option<usize>,
-}
-
-impl Progress for Watch {
-    fn advance(&self, done: usize, total: usize) {
-        assert!(done <= total && total == 300);
-        self.largest.fetch_max(done, Ordering::Relaxed);
-    }
-    fn is_cancelled(&self) -> bool {
-        self.stop_after.is_some_and(|n| self.largest.load(Ordering::Relaxed) >= n)
-    }
-}
-
 #[test]
 fn progress_reaches_the_end_and_cancellation_stops() {
     let mesh = soup(100);
@@ -326,13 +312,13 @@ fn progress_reaches_the_end_and_cancellation_stops() {
     let light = light(4, 1);
     let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
     let full = TexelVisibility::Full { grid: grid(4) };
-    let watch = Watch::default();
+    let watch = Watch::new(300);
     truth.radiance(&full, &watch).unwrap();
-    assert_eq!(watch.largest.load(Ordering::Relaxed), 300);
+    assert_eq!(watch.largest(), 300);
     for stop_after in [0, 64] {
-        let watch = Watch { stop_after: Some(stop_after), ..Watch::default() };
+        let watch = Watch::stopping_after(stop_after, 300);
         assert_eq!(truth.radiance(&full, &watch), Err(Error::Cancelled));
-        assert!(watch.largest.load(Ordering::Relaxed) < 300);
+        assert!(watch.largest() < 300);
     }
 }
 

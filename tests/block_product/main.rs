@@ -8,5 +8,7 @@ mod fixed;
 mod frames;
 mod layout;
 mod light;
+#[path = "../support/mod.rs"]
+mod shared;
 mod support;
 mod transport;

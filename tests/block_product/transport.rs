@@ -1,14 +1,13 @@
 //! Visibility in blocks: coded, decoded, the same on every way in.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
+use haarmonic::Error;
 use haarmonic::backend::block_product::Transport;
 use haarmonic::compress::ScanOrder;
 use haarmonic::scene::BinaryVisibility;
 use haarmonic::strategies::run_map;
-use haarmonic::{Error, Progress};
 use proptest::prelude::*;
 
+use crate::shared::Watch;
 use crate::support::{ORDERS, above, baker, cases, grid, layout, noise, patchwork, soup, visibility};
 
 fn decoded(transport: &Transport, vertex: usize) -> Vec<f32> {
@@ -142,22 +141,6 @@ fn gray_maps_that_are_free_have_one_change() {
     assert_eq!((coded.maps, coded.all_one, coded.all_zero, coded.changes), (96, 48, 48, 48));
 }
 
-#[derive(Default)]
-struct Watch {
-    largest: AtomicUsize,
-    stop_after: Option<usize>,
-}
-
-impl Progress for Watch {
-    fn advance(&self, done: usize, total: usize) {
-        assert!(done <= total && total == 900);
-        self.largest.fetch_max(done, Ordering::Relaxed);
-    }
-    fn is_cancelled(&self) -> bool {
-        self.stop_after.is_some_and(|n| self.largest.load(Ordering::Relaxed) >= n)
-    }
-}
-
 #[test]
 fn progress_reaches_the_end_and_cancellation_stops() {
     let mesh = soup(300);
@@ -170,13 +153,13 @@ fn progress_reaches_the_end_and_cancellation_stops() {
         }
     };
     for gray in [false, true] {
-        let watch = Watch::default();
+        let watch = Watch::new(900);
         bake(gray, &watch).unwrap();
-        assert_eq!(watch.largest.load(Ordering::Relaxed), 900);
+        assert_eq!(watch.largest(), 900);
         for stop_after in [0, 100] {
-            let watch = Watch { stop_after: Some(stop_after), ..Watch::default() };
+            let watch = Watch::stopping_after(stop_after, 900);
             assert_eq!(bake(gray, &watch), Err(Error::Cancelled));
-            assert!(watch.largest.load(Ordering::Relaxed) < 900);
+            assert!(watch.largest() < 900);
         }
     }
 }

@@ -1,8 +1,10 @@
-//! What tests of several rooms share: golden files, comparisons, one-sided slopes, rows of matrices.
+//! What tests of several rooms share: golden files, comparisons, one-sided slopes, rows of matrices, a watch on long work.
 #![allow(dead_code, reason = "each test uses its own share of this")]
 
-use haarmonic::Real;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use haarmonic::affine::AffineMap;
+use haarmonic::{Progress, Real};
 use serde_json::Value;
 
 /// A file of tests/golden/haar_affine_tables.
@@ -65,4 +67,36 @@ pub fn wide<T: Real>(x: &[T]) -> Vec<f64> {
 
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Follows work of `total` pieces, and stops it once it has heard of some.
+pub struct Watch {
+    total: usize,
+    largest: AtomicUsize,
+    stop_after: Option<usize>,
+}
+
+impl Watch {
+    pub fn new(total: usize) -> Self {
+        Self { total, largest: AtomicUsize::new(0), stop_after: None }
+    }
+
+    pub fn stopping_after(pieces: usize, total: usize) -> Self {
+        Self { stop_after: Some(pieces), ..Self::new(total) }
+    }
+
+    /// The most pieces that it has heard of.
+    pub fn largest(&self) -> usize {
+        self.largest.load(Ordering::Relaxed)
+    }
+}
+
+impl Progress for Watch {
+    fn advance(&self, done: usize, total: usize) {
+        assert!(done <= total && total == self.total, "{done} of {total}, not of {}", self.total);
+        self.largest.fetch_max(done, Ordering::Relaxed);
+    }
+    fn is_cancelled(&self) -> bool {
+        self.stop_after.is_some_and(|pieces| self.largest() >= pieces)
+    }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::bytes::{self, Reader};
-use super::index::{MapIndex, check_changes, check_map_length};
+use super::index::{MapIndex, check_changes, check_map_length, slice_ends};
 use super::stats::RunStats;
 use super::sums::Sample;
 use crate::error::check_length;
@@ -291,15 +291,9 @@ impl<I: MapIndex> GrayMaps<I> {
     /// If the range is not within the maps.
     #[track_caller]
     pub fn slice(&self, range: Range<usize>) -> Self {
-        let place = |map: usize| if map == 0 { 0 } else { self.ends[map - 1] };
-        let (start, end) = (place(range.start), place(range.end));
-        let changes = start as usize..end as usize;
-        Self {
-            ends: self.ends[range].iter().map(|&end| end - start).collect(),
-            levels: self.levels[changes.clone()].to_vec(),
-            changes: self.changes[changes].to_vec(),
-            ..*self
-        }
+        let (changes, ends) = slice_ends(&self.ends, range);
+        let levels = self.levels[changes.clone()].to_vec();
+        Self { ends, levels, changes: self.changes[changes].to_vec(), ..*self }
     }
 
     /// Appends the maps of another, such as one that another thread filled.

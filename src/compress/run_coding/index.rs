@@ -1,4 +1,6 @@
-//! The integers that places in a map are stored as.
+//! The integers that places in a map are stored as, and where the changes of each of many maps lie.
+
+use std::ops::Range;
 
 use crate::{Error, Result};
 
@@ -60,4 +62,12 @@ pub(super) fn check_changes<I: MapIndex>(changes: &[I], len: usize) -> Result<()
         return Err(Error::OutOfRange { what: "change of a map", got, allowed: "below the length of the map" });
     }
     Ok(())
+}
+
+/// Where the changes of a range of maps lie, and where each of these maps' end counted from there; `ends` has those of all maps.
+#[track_caller]
+pub(super) fn slice_ends(ends: &[u32], range: Range<usize>) -> (Range<usize>, Vec<u32>) {
+    let place = |map: usize| if map == 0 { 0 } else { ends[map - 1] };
+    let (start, end) = (place(range.start), place(range.end));
+    (start as usize..end as usize, ends[range].iter().map(|&end| end - start).collect())
 }

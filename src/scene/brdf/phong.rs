@@ -101,7 +101,7 @@ impl Brdf for Phong {
 /// max(r·d, 0)^n z with 1 − r·d = |d − r|²/2, which keeps its relative precision in a narrow lobe.
 #[derive(Clone, Copy)]
 pub(crate) struct MirrorLobe {
-    pub(crate) mirror: [f32; 3],
+    mirror: [f32; 3],
     exponent: f32,
 }
 
