@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::bounds::MIRROR_CELLS;
+use super::cases::Cases;
 use super::live::Live;
 use super::lobes::{Lobe, Model, Plan, Sampling};
 use super::products::{Cut, LobeSum, Moments};
@@ -28,8 +29,8 @@ pub(super) struct Scratch {
     moments: Box<[MomentSums; TOGETHER]>,
     samples: Samples,
     live: Vec<Live>,
+    cases: Cases,
     /// [block]
-    classes: Vec<u8>,
     cells: Vec<u8>,
     levels: Vec<[f32; GROUP]>,
 }
@@ -42,7 +43,7 @@ impl Scratch {
             moments: Box::new([MomentSums::default(); TOGETHER]),
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
-            classes: vec![0; blocks],
+            cases: Cases::new(blocks),
             cells: vec![0; blocks],
             levels: vec![[0.0; GROUP]; MOST_PLACES / GROUP],
         }
@@ -144,14 +145,7 @@ impl Frame<'_, '_> {
     }
 
     /// The radiance of number `i` of a group.
-    fn vertex<V: Visible>(
-        self,
-        maps: &V,
-        vertex: usize,
-        seen: &Seen,
-        i: usize,
-        scratch: &mut Scratch,
-    ) -> Vector3<f64> {
+    fn vertex<V: Visible>(self, maps: &V, vertex: usize, seen: &Seen, i: usize, scratch: &mut Scratch) -> Vector3<f64> {
         let plan = self.plan(vertex);
         let mut sum = Vector3::zeros();
         if scratch.wanted[i] {
@@ -169,36 +163,37 @@ impl Frame<'_, '_> {
         sum
     }
 
-    /// The number of samples of each live block.
+    /// The case of each live block.
     fn classify(self, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Relighter { directions, arch, .. } = self.relighter;
-        let Scratch { live, classes, cells, .. } = scratch;
+        let Scratch { live, cases, cells, .. } = scratch;
+        cases.clear();
         match &lobe.sampling {
-            Sampling::Pixels => classes.fill(PIXELS),
+            Sampling::Pixels => live.iter().for_each(|&Live { block, free }| cases.push(block, PIXELS, free)),
             Sampling::Fixed(exponent) => {
                 let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
                 let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
                 let limits = &directions.limits[usize::from(sound)];
-                for block in live.iter().map(|live| live.block as usize) {
-                    let cosine = dot(mirror, at(&directions.centres, block));
-                    let [near, middle] = limits[block];
-                    classes[block] = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
+                for &Live { block, free } in live.iter() {
+                    let cosine = dot(mirror, at(&directions.centres, block as usize));
+                    let [near, middle] = limits[block as usize];
+                    let class = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
+                    cases.push(block, class, free);
                 }
             }
             Sampling::Mirror { bounds, .. } => {
                 arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
                 for &Live { block, free } in live.iter() {
-                    let block = block as usize;
-                    classes[block] = bounds.cells()[usize::from(cells[block])].class(&lobe.checks[block], free);
+                    let codes = &bounds.cells()[usize::from(cells[block as usize])];
+                    cases.push(block, codes.class(&lobe.checks[block as usize], free), free);
                 }
             }
             Sampling::Wide { bounds, .. } => {
                 let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
                 for &Live { block, free } in live.iter() {
-                    let block = block as usize;
-                    let centre = Vector3::from(at(&directions.centres, block)).cast();
+                    let centre = Vector3::from(at(&directions.centres, block as usize)).cast();
                     let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    classes[block] = codes.class(&lobe.checks[block], free);
+                    cases.push(block, codes.class(&lobe.checks[block as usize], free), free);
                 }
             }
         }
@@ -243,8 +238,8 @@ impl Frame<'_, '_> {
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
                 self.classify(lobe, &seen, scratch);
-                for block in scratch.live.iter().map(|live| live.block as usize) {
-                    most[block] = most[block].max(scratch.classes[block]);
+                for (block, class) in scratch.cases.classes() {
+                    most[block as usize] = most[block as usize].max(class);
                 }
             }
             let states = (0..blocks).map(|block| maps.state(vertex * blocks + block));
@@ -265,11 +260,11 @@ struct LobeRun<'r, 'f, 'a> {
 
 impl LobeRun<'_, '_, '_> {
     fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
-        let Scratch { samples, live, classes, levels, .. } = scratch;
+        let Scratch { samples, cases, levels, .. } = scratch;
         let Relighter { light, directions, arch, .. } = self.frame.relighter;
         let first = self.vertex * light.layout().blocks();
         let (normal, cut) = (self.seen.normal, self.cut);
-        arch.dispatch(LobeSum { kernel, normal, maps, first, live, classes, light, directions, samples, levels, cut })
+        arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, levels, cut })
     }
 }
 
@@ -293,8 +288,7 @@ fn one_block(state: MapState, class: u8) -> FrameStats {
         (_, PIXELS) => stats.pixels = 1,
         (MapState::AllOne, _) => stats.coefficients = 1,
         (_, 1 | 2) => stats.sums = 1,
-        // 16 coefficients behind a partly hidden block: pixel by pixel.
-        _ => (stats.pixels, stats.samples) = (1, [0, 0, 0, 1]),
+        _ => unreachable!("16 samples behind a partly hidden block are all pixels"),
     }
     stats
 }

@@ -97,6 +97,11 @@ impl BlockLayout {
         &self.texels[block * self.block_len()..][..self.block_len()]
     }
 
+    /// The flat texels of all blocks on end.
+    pub(super) fn all_texels(&self) -> &[u32] {
+        &self.texels
+    }
+
     /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole numbers.
     ///
     /// # Panics

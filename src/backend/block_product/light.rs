@@ -40,6 +40,8 @@ pub struct LightForms {
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
     pub(super) norms: Vec<Norms>,
+    /// Radiance × solid angle of a block, row after row: R, G, B.
+    rows: [Vec<f64>; 3],
     /// Σ L Ω / 4π of the brightest channel.
     pub(super) mean: f64,
     is_dark: bool,
@@ -73,6 +75,7 @@ impl LightForms {
             ninths: vec![0.0; len],
             texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
             norms: vec![Norms::default(); layout.blocks()],
+            rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
             is_dark: true,
             layout: layout.clone(),
@@ -128,58 +131,96 @@ impl LightForms {
         if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
             return Err(Error::NotFinite { what: "texel of the light", index });
         }
-        let len = self.layout.block_len();
-        let mut pixels = [(); 3].map(|()| vec![0.0; len]);
-        let mut total = [0.0; 3];
+        let total = self.total(light.texels());
         for block in 0..self.layout.blocks() {
-            self.set_block(block, light.texels(), &mut pixels);
-            for (pixels, total) in pixels.iter().zip(&mut total) {
-                *total += pixels.iter().map(|x| x.abs()).sum::<f64>();
-            }
-            self.norms[block] = pixels.iter().map(|p| Norms::new(p)).fold(Norms::default(), Norms::larger);
-            self.set_weights(block, &pixels);
+            self.set_texels(block, light.texels());
+            self.set_moments(block);
+            self.set_norms(block, light.texels());
+            self.set_nodes(block);
+            self.set_weights(block);
         }
         self.mean = total.into_iter().fold(0.0, f64::max) / (4.0 * std::f64::consts::PI);
         self.is_dark = self.mean == 0.0;
         Ok(())
     }
 
-    /// Texels and suffix sums of a block; leaves radiance × solid angle in `pixels`, row after row.
-    fn set_block(&mut self, block: usize, light: &[Vector3<f32>], pixels: &mut [Vec<f64>; 3]) {
+    /// Σ |L| Ω of R, G and B.
+    fn total(&self, light: &[Vector3<f32>]) -> [f64; 3] {
+        let mut total = [0.0; 3];
+        for (&texel, [solid, ..]) in self.layout.all_texels().iter().zip(&self.omega) {
+            let radiance = light[texel as usize];
+            for channel in 0..3 {
+                total[channel] += f64::from(radiance[channel].abs()) * solid;
+            }
+        }
+        total
+    }
+
+    /// The larger norms of R, G and B.
+    fn set_norms(&mut self, block: usize, light: &[Vector3<f32>]) {
+        let peak = self.layout.texels(block).iter().map(|&texel| light[texel as usize].amax()).fold(0.0, f32::max);
+        let norms = self.rows.iter().map(|row| Norms::new(row, f64::from(peak)));
+        self.norms[block] = norms.fold(Norms::default(), Norms::larger);
+    }
+
+    /// Texels of a block; leaves radiance × solid angle in the rows, row after row.
+    fn set_texels(&mut self, block: usize, light: &[Vector3<f32>]) {
         let len = self.layout.block_len();
         let range = block * len..(block + 1) * len;
-        let cardinals = &self.interpolation.levels()[1].cardinals;
-        let (mut nodes, mut moments) = ([0.0_f64; 12], [0.0_f64; 9]);
-        let texels = self.layout.texels(block);
-        let omega = &self.omega[range.clone()];
-        for place in (0..len).rev() {
-            let pixel = self.pixels[place] as usize;
-            let radiance = light[texels[place] as usize];
-            let [solid, x, y, z] = omega[place];
-            let at = range.start + place;
-            let four = [cardinals[0][pixel], cardinals[1][pixel], cardinals[2][pixel], cardinals[3][pixel]];
-            for channel in 0..3 {
-                let value = f64::from(radiance[channel]) * solid;
-                pixels[channel][pixel] = value;
-                self.texels[at / GROUP][channel][at % GROUP] = value as f32;
-                for k in 0..4 {
-                    nodes[4 * channel + k] += value * four[k];
-                }
-                for (k, axis) in [x, y, z].into_iter().enumerate() {
-                    moments[3 * channel + k] += value * axis;
-                }
-            }
-            self.nodes[at] = nodes.map(|x| x as f32);
-            self.moments[at] = Lanes(std::array::from_fn(|k| moments[k] as f32));
-            self.ninths[at] = moments[8] as f32;
+        let [r, g, b] = &mut self.rows;
+        let places = self.layout.texels(block).iter().zip(&self.omega[range.clone()]).zip(&self.pixels);
+        for (at, ((&texel, [solid, ..]), &pixel)) in range.zip(places) {
+            let (radiance, pixel) = (light[texel as usize], pixel as usize);
+            (r[pixel], g[pixel], b[pixel]) =
+                (f64::from(radiance.x) * solid, f64::from(radiance.y) * solid, f64::from(radiance.z) * solid);
+            let texels = &mut self.texels[at / GROUP];
+            (texels[0][at % GROUP], texels[1][at % GROUP], texels[2][at % GROUP]) =
+                (r[pixel] as f32, g[pixel] as f32, b[pixel] as f32);
         }
     }
 
-    fn set_weights(&mut self, block: usize, pixels: &[Vec<f64>; 3]) {
+    /// Suffix sums of the rows × directions.
+    fn set_moments(&mut self, block: usize) {
+        let len = self.layout.block_len();
+        let range = block * len..(block + 1) * len;
+        let [r, g, b] = &self.rows;
+        let mut sums = [0.0_f64; 9];
+        let places = self.omega[range.clone()].iter().zip(&self.pixels);
+        let tables = self.moments[range.clone()].iter_mut().zip(&mut self.ninths[range]);
+        for (([_, x, y, z], &pixel), (eight, ninth)) in places.zip(tables).rev() {
+            let pixel = pixel as usize;
+            let (r, g, b) = (r[pixel], g[pixel], b[pixel]);
+            let terms = [r * x, r * y, r * z, g * x, g * y, g * z, b * x, b * y, b * z];
+            for k in 0..9 {
+                sums[k] += terms[k];
+            }
+            *eight = Lanes(std::array::from_fn(|k| sums[k] as f32));
+            *ninth = sums[8] as f32;
+        }
+    }
+
+    /// Suffix sums of the rows × cardinal functions.
+    fn set_nodes(&mut self, block: usize) {
+        let len = self.layout.block_len();
+        let ([r, g, b], cardinals) = (&self.rows, &self.interpolation.levels()[1].cardinals);
+        let mut sums = [0.0_f64; 12];
+        for (row, &pixel) in self.nodes[block * len..][..len].iter_mut().zip(&self.pixels).rev() {
+            let pixel = pixel as usize;
+            for k in 0..4 {
+                let cardinal = cardinals[k][pixel];
+                sums[k] += r[pixel] * cardinal;
+                sums[4 + k] += g[pixel] * cardinal;
+                sums[8 + k] += b[pixel] * cardinal;
+            }
+            *row = sums.map(|x| x as f32);
+        }
+    }
+
+    fn set_weights(&mut self, block: usize) {
         let cardinals = self.interpolation.levels().iter().flat_map(|level| &level.cardinals);
         for (node, cardinal) in cardinals.enumerate() {
-            for (weights, pixels) in self.weights.iter_mut().zip(pixels) {
-                weights[block * NODES + node] = dot(pixels, cardinal) as f32;
+            for (weights, row) in self.weights.iter_mut().zip(&self.rows) {
+                weights[block * NODES + node] = dot(row, cardinal) as f32;
             }
         }
     }

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, WideBounds, offset};
 use super::rule::Rule;
+use super::tables::Radii;
 use crate::Result;
 use crate::scene::{BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
 
@@ -34,18 +35,18 @@ impl Lobe {
         Self { model, factor, sampling, checks: Vec::new(), least: Vec::new() }
     }
 
-    /// Sets what depends on the light; `group_radius`: cosine and sine of the radius of a group of places.
-    fn weigh(&mut self, limits: &[Limits], group_radius: [f32; 2]) {
+    /// Sets what depends on the light.
+    fn weigh(&mut self, limits: &[Limits], radii: Radii) {
         let (Sampling::Mirror { offset, .. } | Sampling::Wide { offset, .. }) = self.sampling else { return };
         self.checks.clear();
         self.checks.extend(limits.iter().map(|limits| limits.checks(offset)));
-        let Sampling::Mirror { inverse_exponent, .. } = self.sampling else { return };
+        let Sampling::Mirror { exponent, .. } = self.sampling else { return };
+        let factor = self.factor.max();
         self.least.clear();
         self.least.extend(limits.iter().map(|limits| {
-            // cosⁿ θ below what a pixel may reflect, for all of a group.
-            let cosine = (limits.darkness(offset) * inverse_exponent).min(0.0).exp2();
-            let (sine, [c, s]) = ((1.0 - cosine * cosine).sqrt(), group_radius);
-            if cosine > -c { cosine * c - sine * s } else { -1.0 }
+            // For all of a group.
+            let angle = limits.least_cosine(factor, exponent, radii.pixel).acos() + radii.group;
+            if angle < std::f64::consts::PI { angle.cos() as f32 } else { -1.0 }
         }));
     }
 }
@@ -70,7 +71,7 @@ pub(super) enum Sampling {
     Mirror {
         bounds: Arc<MirrorBounds>,
         offset: f32,
-        inverse_exponent: f32,
+        exponent: f64,
     },
     Wide {
         bounds: Arc<WideBounds>,
@@ -121,9 +122,9 @@ impl Planner {
     }
 
     /// Tells the lobes what the light allows; to be called for a new light and for new plans.
-    pub(super) fn weigh(&mut self, limits: &[Limits], group_radius: [f32; 2]) {
+    pub(super) fn weigh(&mut self, limits: &[Limits], radii: Radii) {
         let lobes = self.plans.iter_mut().flat_map(|plan| &mut plan.lobes);
-        lobes.for_each(|lobe| lobe.weigh(limits, group_radius));
+        lobes.for_each(|lobe| lobe.weigh(limits, radii));
     }
 
     fn plan(&mut self, brdf: &Arc<dyn Brdf>) -> Result<Plan> {
@@ -168,8 +169,7 @@ impl Planner {
                 Model::Phong(phong) => Sampling::Mirror {
                     bounds: self.mirror(phong.exponent()),
                     offset: offset(factor),
-                    // An exponent of 0 leaves out nothing: 2^(−∞ · 1e30) = 0.
-                    inverse_exponent: (1.0 / phong.exponent().max(1e-30)) as f32,
+                    exponent: phong.exponent(),
                 },
                 Model::Other(brdf) => {
                     let bounds = Arc::new(WideBounds::new(&self.gauge, brdf.as_ref(), brdf.is_isotropic()));

@@ -21,6 +21,7 @@
 //! | [`Rule`], [`Basis`] | how many samples, and what lies between them |
 
 mod bounds;
+mod cases;
 mod coding;
 mod culling;
 mod file;

@@ -1,7 +1,7 @@
 //! The sums of one vertex: algorithm 1 [Inger 2013] for one lobe, and the cosine of all lobes together.
 
+use super::cases::{Case, Cases};
 use super::light::{LightForms, NODES};
-use super::live::Live;
 use super::samples::{Samples, Sums, reflect};
 use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};
@@ -27,7 +27,9 @@ impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
         for (eights, ninths) in self.light.moments.chunks_exact(len).zip(self.light.ninths.chunks_exact(len)) {
             // A table of as many rows as a byte can say needs no check of each look-up.
             match (eights.first_chunk::<256>(), ninths.first_chunk()) {
-                (Some(eights), Some(ninths)) if len == 256 => self.block(MomentTable::<_, [f32; 256]> { eights, ninths }),
+                (Some(eights), Some(ninths)) if len == 256 => {
+                    self.block(MomentTable::<_, [f32; 256]> { eights, ninths })
+                }
                 _ => self.block(MomentTable { eights, ninths }),
             }
         }
@@ -55,9 +57,7 @@ pub(super) struct LobeSum<'a, const N: usize, K, V> {
     pub(super) maps: &'a V,
     /// The vertex's map of block 0.
     pub(super) first: usize,
-    pub(super) live: &'a [Live],
-    /// Samples of each block: none, 1, 4, 16, pixels.
-    pub(super) classes: &'a [u8],
+    pub(super) cases: &'a Cases,
     pub(super) light: &'a LightForms,
     pub(super) directions: &'a Directions,
     pub(super) samples: &'a mut Samples,
@@ -71,30 +71,34 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(mut self, _: S) -> [f64; 3] {
-        let mut total = [0.0; 3];
-        for &Live { block, free } in self.live {
-            let block = block as usize;
-            let class = self.classes[block];
-            if class == 0 {
-                continue;
-            }
-            if !self.samples.has_room(16) {
-                add(&mut total, self.samples.drain(self.kernel, self.normal));
-            }
-            match (class, free) {
-                (1, true) => self.coefficients::<1>(block, 0),
-                (2, true) => self.coefficients::<4>(block, 1),
-                (3, true) => self.coefficients::<16>(block, 5),
-                (1 | 2, _) => self.sums(block, class == 1),
-                _ => self.pixels(block, free, &mut total),
+        let (mut total, cases) = ([0.0; 3], self.cases);
+        self.each(cases.list(Case::Free1), &mut total, |sum, block| sum.coefficients::<1>(block, 0));
+        self.each(cases.list(Case::Free4), &mut total, |sum, block| sum.coefficients::<4>(block, 1));
+        self.each(cases.list(Case::Free16), &mut total, |sum, block| sum.coefficients::<16>(block, 5));
+        self.each(cases.list(Case::Partly1), &mut total, |sum, block| sum.sums(block, true));
+        self.each(cases.list(Case::Partly4), &mut total, |sum, block| sum.sums(block, false));
+        add(&mut total, self.samples.drain(self.kernel, self.normal));
+        for (case, free) in [(Case::FreePixels, true), (Case::PartlyPixels, false)] {
+            for &block in cases.list(case) {
+                self.pixels(block as usize, free, &mut total);
             }
         }
-        add(&mut total, self.samples.drain(self.kernel, self.normal));
         total
     }
 }
 
 impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
+    /// Collects samples of blocks, and sums them up when the list is full.
+    #[inline(always)]
+    fn each(&mut self, blocks: &[u32], total: &mut [f64; 3], collect: impl Fn(&mut Self, usize)) {
+        for &block in blocks {
+            if !self.samples.has_room(16) {
+                add(total, self.samples.drain(self.kernel, self.normal));
+            }
+            collect(self, block as usize);
+        }
+    }
+
     /// Line 6: N samples, weighted with the light of the whole block.
     #[inline(always)]
     fn coefficients<const M: usize>(&mut self, block: usize, level: usize) {

@@ -9,9 +9,9 @@ use super::light::LightForms;
 use super::live::LiveBlocks;
 use super::lobes::Planner;
 use super::rule::Rule;
+use super::schedule::Schedule;
 use super::stats::FrameStats;
 use super::tables::Directions;
-use super::schedule::Schedule;
 use super::transport::{Maps, Transport, with_maps};
 use super::visible::GrayChange;
 use crate::compress::{BinaryMaps, GrayMaps};
@@ -47,8 +47,6 @@ pub struct Relighter<'a> {
     /// [block]
     limits: Vec<Limits>,
     pub(super) radius: f64,
-    /// Cosine and sine of the radius of a group of places.
-    group_radius: [f32; 2],
     pub(super) scratch: Vec<Scratch>,
     pub(super) needed: Vec<bool>,
     scheduled: Scheduled<'a>,
@@ -114,7 +112,6 @@ impl<'a> Relighter<'a> {
         Ok(Self {
             mesh,
             settings,
-            group_radius: [directions.group_radius.cos() as f32, directions.group_radius.sin() as f32],
             directions,
             planner: Planner::new(gauge, settings.rule),
             limits: vec![Limits::default(); layout.blocks()],
@@ -211,7 +208,7 @@ impl<'a> Relighter<'a> {
 
     fn plan(&mut self, materials: &Materials) -> Result<()> {
         if self.planner.set(materials.brdfs())? || !self.is_weighed {
-            self.planner.weigh(&self.limits, self.group_radius);
+            self.planner.weigh(&self.limits, self.directions.radii);
             self.is_weighed = true;
         }
         Ok(())

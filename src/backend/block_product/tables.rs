@@ -12,6 +12,13 @@ pub(super) const GROUP: usize = 8;
 /// N numbers of each place of a group.
 pub(super) type Eight<const N: usize> = [[f32; GROUP]; N];
 
+/// The largest angles between a centre and what lies around it, in radians.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Radii {
+    pub(super) group: f64,
+    pub(super) pixel: f64,
+}
+
 /// Directions that do not change with light, view or materials.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
@@ -19,9 +26,9 @@ pub(super) struct Directions {
     pub(super) pixels: Vec<Eight<3>>,
     /// [block][node of 1, 4, 16]
     pub(super) nodes: [Vec<f32>; 3],
-    /// [block][eight places on end], and the largest angle of such a group.
+    /// [block][eight places on end]
     pub(super) groups: [Vec<f32>; 3],
-    pub(super) group_radius: f64,
+    pub(super) radii: Radii,
     /// [block]
     pub(super) centres: [Vec<f32>; 3],
     /// [block]: cosines of π/8 and π/4, of the angles and of what a block's radius leaves of them.
@@ -35,7 +42,8 @@ impl Directions {
             pixels: Default::default(),
             nodes: Default::default(),
             groups: Default::default(),
-            group_radius: 0.0,
+            // Half a diagonal in the middle of a face.
+            radii: Radii { group: 0.0, pixel: std::f64::consts::SQRT_2 / layout.grid().side() as f64 },
             centres: Default::default(),
             limits: Default::default(),
         };
@@ -52,7 +60,7 @@ impl Directions {
                     eight.iter_mut().zip(d.iter()).for_each(|(axis, &c)| axis[lane] = c as f32);
                 }
                 all.pixels.push(eight);
-                all.group_radius = places.map(|d| d.angle(&centre)).fold(all.group_radius, f64::max);
+                all.radii.group = places.map(|d| d.angle(&centre)).fold(all.radii.group, f64::max);
             }
             for node in interpolation.levels().iter().flat_map(|level| &level.nodes) {
                 push(&mut all.nodes, layout.direction(block, node[0], node[1]));

@@ -54,11 +54,7 @@ impl Codes {
     }
 
     pub(super) fn worse(self, other: Self) -> Self {
-        Self {
-            rms: self.rms.larger(other.rms),
-            bias: self.bias.larger(other.bias),
-            mean: self.mean.larger(other.mean),
-        }
+        Self { rms: self.rms.larger(other.rms), bias: self.bias.larger(other.bias), mean: self.mean.larger(other.mean) }
     }
 
     /// The fewest samples of a block, free or partly hidden: none, 1, 4, 16, pixels.
@@ -125,6 +121,8 @@ pub(in crate::backend::block_product) struct Limits {
     mean: f32,
     /// How much smaller errors of one sign must be.
     spread: f32,
+    /// Σ of what may be left out of a block, over its brightest radiance.
+    tail: f64,
 }
 
 /// √(blocks/2): the sum of as many equal errors as there are blocks above a horizon, over that of independent ones.
@@ -141,6 +139,7 @@ impl Limits {
             deviation: threshold(0.5 * allowed / norms.deviation),
             rms: threshold(allowed / norms.rms),
             mean: threshold(allowed / norms.largest),
+            tail: 0.5 * allowed / norms.peak,
         }
     }
 
@@ -154,11 +153,24 @@ impl Limits {
         }
     }
 
-    /// log₂ of what a pixel may reflect, times the factor of `offset`, and still be left out.
-    pub(in crate::backend::block_product) fn darkness(&self, offset: f32) -> f32 {
-        (self.rms.max(self.mean) - self.spread - offset - ZERO as f32) / STEPS as f32
+    /// The cosine to the mirror direction below which pixels may be left out of `factor` cosⁿ θ.
+    ///
+    /// The larger of two: that where no pixel may count on its own; and, for a lobe wider than pixels, that where all beyond it
+    /// together, L F 2π ∫ cosⁿ θ sin θ dθ = L F 2π cosⁿ⁺¹ θ/(n + 1), are half of what the block is allowed.
+    pub(in crate::backend::block_product) fn least_cosine(&self, factor: f64, exponent: f64, pixel: f64) -> f64 {
+        let darkness = (f64::from(self.rms.max(self.mean) - self.spread - offset(factor)) - ZERO) / STEPS;
+        // An exponent of 0 leaves out nothing: 2^(−∞ · 1e30) = 0.
+        let single = (darkness / exponent.max(1e-30)).min(0.0).exp2();
+        if exponent * pixel * pixel > WIDE {
+            return single;
+        }
+        let together = (self.tail * (exponent + 1.0) / (std::f64::consts::TAU * factor)).powf(1.0 / (exponent + 1.0));
+        single.max(together.min(1.0))
     }
 }
+
+/// Exponent × square of the radius of a pixel, to which sums over pixels are integrals: those of Gaussians of a width of two radii.
+const WIDE: f64 = 0.25;
 
 /// Norms of the light of a block of N pixels, of its brightest channel.
 #[derive(Debug, Clone, Copy, Default)]
@@ -171,11 +183,13 @@ pub(in crate::backend::block_product) struct Norms {
     pub(in crate::backend::block_product) rms: f64,
     /// N max |L|
     pub(in crate::backend::block_product) largest: f64,
+    /// The largest |radiance|, which L is times the solid angle of a pixel.
+    pub(in crate::backend::block_product) peak: f64,
 }
 
 impl Norms {
-    /// Of one channel.
-    pub(in crate::backend::block_product) fn new(light: &[f64]) -> Self {
+    /// Of one channel of L, and the largest radiance.
+    pub(in crate::backend::block_product) fn new(light: &[f64], peak: f64) -> Self {
         let n = light.len() as f64;
         let sum: f64 = light.iter().sum();
         let (mut squares, mut deviations, mut largest) = (0.0, 0.0, 0.0_f64);
@@ -184,7 +198,13 @@ impl Norms {
             deviations += (x - sum / n).powi(2);
             largest = largest.max(x.abs());
         }
-        Self { sum: sum.abs(), deviation: (n * deviations).sqrt(), rms: (n * squares).sqrt(), largest: n * largest }
+        Self {
+            sum: sum.abs(),
+            deviation: (n * deviations).sqrt(),
+            rms: (n * squares).sqrt(),
+            largest: n * largest,
+            peak,
+        }
     }
 
     /// The larger of each.
@@ -194,6 +214,7 @@ impl Norms {
             deviation: self.deviation.max(other.deviation),
             rms: self.rms.max(other.rms),
             largest: self.largest.max(other.largest),
+            peak: self.peak.max(other.peak),
         }
     }
 }

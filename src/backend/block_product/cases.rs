@@ -1,0 +1,80 @@
+//! The cases of algorithm 1 [Inger 2013].
+
+use super::rule::PIXELS;
+
+/// How a block of one vertex and lobe is summed up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Case {
+    /// Not at all.
+    Nothing,
+    /// Line 6, free: weights of 1, 4 or 16 samples.
+    Free1,
+    Free4,
+    Free16,
+    /// Line 9, partly hidden: 1 or 4 samples with weights from suffix sums.
+    Partly1,
+    Partly4,
+    /// Line 11: pixel by pixel, free or partly hidden.
+    FreePixels,
+    PartlyPixels,
+}
+
+impl Case {
+    const COUNT: usize = 8;
+
+    /// Of a class: 0, 1, 4, 16 samples or all pixels.
+    #[inline(always)]
+    fn of(class: u8, free: bool) -> Self {
+        use Case::*;
+        const PARTLY: [Case; 8] = [Nothing, Partly1, Partly4, PartlyPixels, PartlyPixels, Nothing, Nothing, Nothing];
+        const FREE: [Case; 8] = [Nothing, Free1, Free4, Free16, FreePixels, Nothing, Nothing, Nothing];
+        [PARTLY, FREE][usize::from(free)][usize::from(class & 7)]
+    }
+}
+
+/// Blocks of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
+#[derive(Debug, Clone)]
+pub(super) struct Cases {
+    /// [case][entry]
+    lists: [Vec<u32>; Case::COUNT],
+    lens: [usize; Case::COUNT],
+}
+
+impl Cases {
+    pub(super) fn new(blocks: usize) -> Self {
+        Self { lists: std::array::from_fn(|_| vec![0; blocks]), lens: [0; Case::COUNT] }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.lens = [0; Case::COUNT];
+    }
+
+    /// Appends a block; no branch depends on its class.
+    #[inline(always)]
+    pub(super) fn push(&mut self, block: u32, class: u8, free: bool) {
+        let case = Case::of(class, free) as usize;
+        self.lists[case][self.lens[case]] = block;
+        self.lens[case] += 1;
+    }
+
+    /// The blocks of a case.
+    #[inline(always)]
+    pub(super) fn list(&self, case: Case) -> &[u32] {
+        &self.lists[case as usize][..self.lens[case as usize]]
+    }
+
+    /// All blocks that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.
+    pub(super) fn classes(&self) -> impl Iterator<Item = (u32, u8)> + '_ {
+        use Case::*;
+        let classes = [
+            (Free1, 1),
+            (Free4, 2),
+            (Free16, 3),
+            (Partly1, 1),
+            (Partly4, 2),
+            (FreePixels, PIXELS),
+            (PartlyPixels, PIXELS),
+        ];
+        classes.into_iter().flat_map(|(case, class)| self.list(case).iter().map(move |&block| (block, class)))
+    }
+}
