@@ -1,5 +1,6 @@
 //! The cases of algorithm 1 [Inger 2013].
 
+use super::live::Live;
 use super::rule::PIXELS;
 
 /// How a block of one vertex and lobe is summed up.
@@ -32,7 +33,7 @@ impl Case {
     }
 }
 
-/// Blocks of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
+/// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
 #[derive(Debug, Clone)]
 pub(super) struct Cases {
     /// [case][entry]
@@ -49,22 +50,22 @@ impl Cases {
         self.lens = [0; Case::COUNT];
     }
 
-    /// Appends a block; no branch depends on its class.
+    /// Appends a block by its course; no branch depends on its class.
     #[inline(always)]
-    pub(super) fn push(&mut self, block: u32, class: u8, free: bool) {
-        let case = Case::of(class, free) as usize;
-        self.lists[case][self.lens[case]] = block;
+    pub(super) fn push(&mut self, live: &Live, class: u8) {
+        let case = Case::of(class, live.free) as usize;
+        self.lists[case][self.lens[case]] = live.course;
         self.lens[case] += 1;
     }
 
-    /// The blocks of a case.
+    /// The courses of a case.
     #[inline(always)]
     pub(super) fn list(&self, case: Case) -> &[u32] {
         &self.lists[case as usize][..self.lens[case as usize]]
     }
 
-    /// All blocks that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.
-    pub(super) fn classes(&self) -> impl Iterator<Item = (u32, u8)> + '_ {
+    /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.
+    pub(super) fn classes(&self) -> impl Iterator<Item = (usize, u8)> + '_ {
         use Case::*;
         let classes = [
             (Free1, 1),
@@ -75,6 +76,8 @@ impl Cases {
             (FreePixels, PIXELS),
             (PartlyPixels, PIXELS),
         ];
-        classes.into_iter().flat_map(|(case, class)| self.list(case).iter().map(move |&block| (block, class)))
+        classes
+            .into_iter()
+            .flat_map(|(case, class)| self.list(case).iter().map(move |&course| (course as usize, class)))
     }
 }

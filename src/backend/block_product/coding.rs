@@ -5,6 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector3;
 
 use super::layout::BlockLayout;
+use super::paths::Paths;
 use crate::compress::{BinaryMaps, GrayMaps, MapIndex};
 use crate::scene::BinaryVisibility;
 use crate::{Error, Result};
@@ -55,42 +56,84 @@ macro_rules! coded {
 coded!(BinaryMaps, |len, _| Self::new(len), |_| 1);
 coded!(GrayMaps, Self::new, |maps| maps.top());
 
+/// Maps of vertices and the paths that they take.
+#[derive(Debug)]
+pub(super) struct Pathed<M> {
+    pub(super) maps: M,
+    pub(super) paths: Paths,
+}
+
+impl<M: Coded> Pathed<M> {
+    /// Of no vertices.
+    pub(super) fn empty(len: usize, top: u8) -> Result<Self> {
+        Ok(Self { maps: M::empty(len, top)?, paths: Paths::default() })
+    }
+
+    /// Appends vertices.
+    pub(super) fn join(&mut self, other: &Self) -> Result<()> {
+        self.paths.append(&other.paths);
+        self.maps.join(&other.maps)
+    }
+}
+
 /// Cuts packed faces into blocks along their paths.
 #[derive(Debug, Clone)]
 pub(super) struct BitCutter {
     layout: BlockLayout,
     rows: Vec<u64>,
-    path: Vec<u64>,
+    along: [Vec<u64>; 2],
 }
 
 impl BitCutter {
     pub(super) fn new(layout: &BlockLayout) -> Self {
         let words = layout.block_len() / 64;
-        Self { layout: layout.clone(), rows: vec![0; words], path: vec![0; words] }
+        Self { layout: layout.clone(), rows: vec![0; words], along: [vec![0; words], vec![0; words]] }
     }
 
     /// Appends the blocks of a vertex; `words` as [`BinaryVisibility::vertex`] has them.
-    pub(super) fn code<I: MapIndex>(&mut self, words: &[u64], maps: &mut BinaryMaps<I>) {
+    pub(super) fn code<I: MapIndex>(&mut self, words: &[u64], to: &mut Pathed<BinaryMaps<I>>) {
         let (side, along) = (self.layout.side(), self.layout.grid().side() / self.layout.side());
         let mask = u64::MAX >> (64 - side);
-        for face in words.chunks_exact(BinaryVisibility::words_per_face(self.layout.grid())) {
+        to.paths.push_vertex(self.layout.blocks());
+        for (f, face) in words.chunks_exact(BinaryVisibility::words_per_face(self.layout.grid())).enumerate() {
             for block in 0..along * along {
                 self.rows.fill(0);
                 for y in 0..side {
                     // Block sides divide 64 and the grid's side, so that a row of a block lies in one word.
                     let from = (block / along * side + y) * along * side + block % along * side;
-                    let to = y * side;
-                    self.rows[to / 64] |= (face[from / 64] >> (from % 64) & mask) << (to % 64);
+                    let at = y * side;
+                    self.rows[at / 64] |= (face[from / 64] >> (from % 64) & mask) << (at % 64);
                 }
-                if self.rows.iter().all(|&w| w == 0) || self.rows.iter().all(|&w| w == u64::MAX) {
-                    maps.push_bits(&self.rows);
-                } else {
-                    self.layout.scan().apply_bits(&self.rows, &mut self.path);
-                    maps.push_bits(&self.path);
-                }
+                self.push(f * along * along + block, to);
             }
         }
     }
+
+    /// Appends the block of the rows along the path with fewer changes.
+    fn push<I: MapIndex>(&mut self, block: usize, to: &mut Pathed<BinaryMaps<I>>) {
+        if self.rows.iter().all(|&w| w == 0) || self.rows.iter().all(|&w| w == u64::MAX) {
+            return to.maps.push_bits(&self.rows);
+        }
+        for (scan, along) in self.layout.scans().iter().zip(&mut self.along) {
+            scan.apply_bits(&self.rows, along);
+        }
+        let [first, turned] = self.along.each_ref().map(|along| bit_changes(along));
+        if turned < first {
+            to.paths.turn_last(block, self.layout.blocks());
+        }
+        to.maps.push_bits(&self.along[usize::from(turned < first)]);
+    }
+}
+
+/// How often bits change along a path that starts with 0.
+fn bit_changes(words: &[u64]) -> u32 {
+    let mut carry = 0;
+    let mut changes = 0;
+    for &word in words {
+        changes += (word ^ (word << 1 | carry)).count_ones();
+        carry = word >> 63;
+    }
+    changes
 }
 
 /// Quantises shares of visible samples and cuts them into blocks.
@@ -100,7 +143,7 @@ pub(super) struct GrayCutter {
     directions: Vec<Vector3<f64>>,
     /// Level of each count.
     levels: Vec<u8>,
-    block: Vec<u8>,
+    along: [Vec<u8>; 2],
 }
 
 impl GrayCutter {
@@ -111,23 +154,36 @@ impl GrayCutter {
         Self {
             directions: layout.grid().directions().into_iter().map(|d| d.into_inner()).collect(),
             levels: (0..=most).map(level).collect(),
-            block: vec![0; layout.block_len()],
+            along: [vec![0; layout.block_len()], vec![0; layout.block_len()]],
             layout: layout.clone(),
         }
     }
 
     /// Appends the blocks of a vertex. A texel whose centre is below the horizon reflects nothing and counts as hidden.
-    pub(super) fn code<I: MapIndex>(&mut self, counts: &[u8], normal: &Vector3<f32>, maps: &mut GrayMaps<I>) {
+    pub(super) fn code<I: MapIndex>(&mut self, counts: &[u8], normal: &Vector3<f32>, to: &mut Pathed<GrayMaps<I>>) {
         let normal = normal.cast::<f64>();
-        for block in 0..self.layout.blocks() {
-            for (level, &texel) in self.block.iter_mut().zip(self.layout.texels(block)) {
-                let count = counts[texel as usize];
-                let above = count != 0 && normal.dot(&self.directions[texel as usize]) > 0.0;
-                *level = if above { self.levels[usize::from(count)] } else { 0 };
+        let blocks = self.layout.blocks();
+        to.paths.push_vertex(blocks);
+        for block in 0..blocks {
+            for (path, along) in self.along.iter_mut().enumerate() {
+                for (level, &texel) in along.iter_mut().zip(self.layout.texels(path, block)) {
+                    let count = counts[texel as usize];
+                    let above = count != 0 && normal.dot(&self.directions[texel as usize]) > 0.0;
+                    *level = if above { self.levels[usize::from(count)] } else { 0 };
+                }
             }
-            maps.push_levels(&self.block);
+            let [first, turned] = self.along.each_ref().map(|along| level_changes(along));
+            if turned < first {
+                to.paths.turn_last(block, blocks);
+            }
+            to.maps.push_levels(&self.along[usize::from(turned < first)]);
         }
     }
+}
+
+/// How often levels change along a path that starts with 0.
+fn level_changes(levels: &[u8]) -> usize {
+    usize::from(levels[0] != 0) + levels.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 
 /// Adds up the bits of a finer face: counts of the `samples`² rays of each texel of a face of `side`².

@@ -169,31 +169,33 @@ impl Frame<'_, '_> {
         let Scratch { live, cases, cells, .. } = scratch;
         cases.clear();
         match &lobe.sampling {
-            Sampling::Pixels => live.iter().for_each(|&Live { block, free }| cases.push(block, PIXELS, free)),
+            Sampling::Pixels => live.iter().for_each(|live| cases.push(live, PIXELS)),
             Sampling::Fixed(exponent) => {
                 let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
                 let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
                 let limits = &directions.limits[usize::from(sound)];
-                for &Live { block, free } in live.iter() {
-                    let cosine = dot(mirror, at(&directions.centres, block as usize));
-                    let [near, middle] = limits[block as usize];
+                for live in live.iter() {
+                    let block = live.block as usize;
+                    let (cosine, [near, middle]) = (dot(mirror, at(&directions.centres, block)), limits[block]);
                     let class = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
-                    cases.push(block, class, free);
+                    cases.push(live, class);
                 }
             }
             Sampling::Mirror { bounds, .. } => {
                 arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
-                for &Live { block, free } in live.iter() {
-                    let codes = &bounds.cells()[usize::from(cells[block as usize])];
-                    cases.push(block, codes.class(&lobe.checks[block as usize], free), free);
+                for live in live.iter() {
+                    let block = live.block as usize;
+                    let codes = &bounds.cells()[usize::from(cells[block])];
+                    cases.push(live, codes.class(&lobe.checks[block], live.free));
                 }
             }
             Sampling::Wide { bounds, .. } => {
                 let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
-                for &Live { block, free } in live.iter() {
-                    let centre = Vector3::from(at(&directions.centres, block as usize)).cast();
+                for live in live.iter() {
+                    let block = live.block as usize;
+                    let centre = Vector3::from(at(&directions.centres, block)).cast();
                     let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    cases.push(block, codes.class(&lobe.checks[block as usize], free), free);
+                    cases.push(live, codes.class(&lobe.checks[block], live.free));
                 }
             }
         }
@@ -238,8 +240,9 @@ impl Frame<'_, '_> {
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
                 self.classify(lobe, &seen, scratch);
-                for (block, class) in scratch.cases.classes() {
-                    most[block as usize] = most[block as usize].max(class);
+                for (course, class) in scratch.cases.classes() {
+                    let most = &mut most[course % blocks];
+                    *most = class.max(*most);
                 }
             }
             let states = (0..blocks).map(|block| maps.state(vertex * blocks + block));

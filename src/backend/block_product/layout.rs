@@ -6,7 +6,7 @@ use crate::compress::{Scan, ScanOrder};
 use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Result};
 
-/// A cube map cut into square blocks, the pixels of each taken along a path.
+/// A cube map cut into square blocks, the pixels of each taken along a path or along the same path turned about the diagonal.
 ///
 /// Block (by · blocks + bx) of face f has the number f · blocks² + by · blocks + bx, where `blocks` = side / block side; the
 /// *place* of a pixel in its block is its position along the path. 64² × 6 texels in blocks of 16² are 96 blocks.
@@ -16,15 +16,16 @@ use crate::{Error, Result};
 /// use haarmonic::{backend::block_product::BlockLayout, compress::ScanOrder, sphere::CubeGrid};
 /// let layout = BlockLayout::new(CubeGrid::new(64)?, 16, ScanOrder::Serpentine)?;
 /// assert_eq!((layout.blocks(), layout.block_len()), (96, 256));
-/// assert_eq!(layout.texels(0)[16], 64 + 15); // the second row runs backwards
+/// assert_eq!(layout.texels(0, 0)[16], 64 + 15); // the second row runs backwards
+/// assert_eq!(layout.texels(1, 0)[16], 64 * 15 + 1); // the second column upwards
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BlockLayout {
     grid: CubeGrid,
     side: usize,
-    scan: Scan,
-    /// [block][place]
+    scans: [Scan; 2],
+    /// [course][place]; a *course* is a block and one of its paths, number block + blocks · path.
     texels: Vec<u32>,
 }
 
@@ -45,17 +46,17 @@ impl BlockLayout {
             let (got, allowed) = (grid.side() as f64, "a multiple of the block's, at most 1024");
             return Err(Error::OutOfRange { what: "side of the cube map", got, allowed });
         }
-        let scan = Scan::new(order, side, side)?;
+        let scans = [Scan::new(order, side, side)?, Scan::turned(order, side, side)?];
         let along = grid.side() / side;
-        let mut texels = Vec::with_capacity(grid.len());
-        for block in 0..6 * along * along {
+        let mut texels = Vec::with_capacity(2 * grid.len());
+        for (scan, block) in scans.iter().flat_map(|scan| (0..6 * along * along).map(move |block| (scan, block))) {
             let (face, by, bx) = (block / (along * along), block / along % along, block % along);
             for &pixel in scan.pixels() {
                 let (y, x) = (pixel as usize / side, pixel as usize % side);
                 texels.push(grid.index(Face::ALL[face], bx * side + x, by * side + y) as u32);
             }
         }
-        Ok(Self { grid, side, scan, texels })
+        Ok(Self { grid, side, scans, texels })
     }
 
     /// The grid of the cube map.
@@ -79,27 +80,33 @@ impl BlockLayout {
     /// Blocks of the cube map.
     #[inline]
     pub fn blocks(&self) -> usize {
-        self.texels.len() / self.block_len()
+        self.grid.len() / self.block_len()
     }
 
-    /// The path through a block.
+    /// The path through a block, and the same turned.
     #[inline]
-    pub fn scan(&self) -> &Scan {
-        &self.scan
+    pub fn scans(&self) -> &[Scan; 2] {
+        &self.scans
     }
 
-    /// The flat texel of each place of a block.
+    /// The flat texel of each place of a block, along path 0 or 1 of [`scans`](Self::scans).
     ///
     /// # Panics
-    /// If `block` is out of range.
+    /// If `path` or `block` is out of range.
     #[inline]
-    pub fn texels(&self, block: usize) -> &[u32] {
-        &self.texels[block * self.block_len()..][..self.block_len()]
+    pub fn texels(&self, path: usize, block: usize) -> &[u32] {
+        assert!(path < 2 && block < self.blocks(), "block {block} along path {path} of {} blocks", self.blocks());
+        self.course(path * self.blocks() + block)
     }
 
-    /// The flat texels of all blocks on end.
-    pub(super) fn all_texels(&self) -> &[u32] {
-        &self.texels
+    /// Blocks times paths.
+    pub(super) fn courses(&self) -> usize {
+        2 * self.blocks()
+    }
+
+    /// The flat texel of each place of a course.
+    pub(super) fn course(&self, course: usize) -> &[u32] {
+        &self.texels[course * self.block_len()..][..self.block_len()]
     }
 
     /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole numbers.

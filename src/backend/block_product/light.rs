@@ -10,33 +10,32 @@ use super::tables::{Eight, GROUP};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
-/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along the paths of a layout:
+/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a layout:
 ///
 /// | form | what for | bytes a texel |
 /// |---|---|---|
 /// | weights of 1, 4 and 16 samples | nothing hidden | 1 |
-/// | suffix sums of light × each of the four cardinal functions | partly hidden, BRDF of 1 or 4 samples | 48 |
-/// | suffix sums of light × direction | partly hidden or not, cosine: exact | 36 |
-/// | texels | anything | 12 |
+/// | suffix sums of light × each of the four cardinal functions | partly hidden, BRDF of 1 or 4 samples | 48 × 2 |
+/// | suffix sums of light × direction | partly hidden or not, cosine: exact | 36 × 2 |
+/// | texels | anything | 12 × 2 |
 ///
 /// A cosine is linear in direction, so that Σ L V n·ω = n · Σ L V ω: a diffuse surface needs no sample and no horizon.
 #[derive(Debug, Clone)]
 pub struct LightForms {
     layout: BlockLayout,
     interpolation: Interpolation,
-    /// Solid angle and direction of each place, [block][place].
+    /// [block][pixel]: flat texel, solid angle and direction.
+    texel: Vec<u32>,
     omega: Vec<[f64; 4]>,
-    /// Row-major pixel of each place.
-    pixels: Vec<u32>,
     /// [block][node of 1, 4, 16] R, then G, then B.
     pub(super) weights: [Vec<f32>; 3],
-    /// [block][place]
+    /// [course][place]
     pub(super) nodes: Vec<NodeSums>,
-    /// [block][place] x, y, z for R, for G, x and y for B
+    /// [course][place] x, y, z for R, for G, x and y for B
     pub(super) moments: Vec<Lanes>,
-    /// [block][place] z for B
+    /// [course][place] z for B
     pub(super) ninths: Vec<f32>,
-    /// [block][group of eight places] R, G, B
+    /// [course][group of eight places] R, G, B
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
     pub(super) norms: Vec<Norms>,
@@ -59,21 +58,22 @@ impl LightForms {
         let interpolation = Interpolation::new(layout.side(), basis)?;
         let (grid, len) = (layout.grid(), layout.grid().len());
         let solid_angles = grid.face_solid_angles();
-        let omega = (0..layout.blocks())
-            .flat_map(|block| layout.texels(block))
-            .map(|&texel| {
-                let d = grid.direction(texel as usize);
-                [solid_angles[texel as usize % grid.face_len()], d.x, d.y, d.z]
-            })
-            .collect();
+        let mut texel = vec![0; len];
+        for (block, texel) in texel.chunks_exact_mut(layout.block_len()).enumerate() {
+            layout.scans()[0].undo(layout.course(block), texel);
+        }
+        let omega = |&texel: &u32| {
+            let d = grid.direction(texel as usize);
+            [solid_angles[texel as usize % grid.face_len()], d.x, d.y, d.z]
+        };
         Ok(Self {
-            omega,
-            pixels: layout.scan().pixels().to_vec(),
+            omega: texel.iter().map(omega).collect(),
+            texel,
             weights: [(); 3].map(|()| vec![0.0; layout.blocks() * NODES]),
-            nodes: vec![[0.0; 12]; len],
-            moments: vec![Lanes::default(); len],
-            ninths: vec![0.0; len],
-            texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
+            nodes: vec![[0.0; 12]; 2 * len],
+            moments: vec![Lanes::default(); 2 * len],
+            ninths: vec![0.0; 2 * len],
+            texels: vec![[[0.0; GROUP]; 3]; 2 * len / GROUP],
             norms: vec![Norms::default(); layout.blocks()],
             rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
@@ -131,65 +131,61 @@ impl LightForms {
         if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
             return Err(Error::NotFinite { what: "texel of the light", index });
         }
-        let total = self.total(light.texels());
+        let mut total = [0.0; 3];
         for block in 0..self.layout.blocks() {
-            self.set_texels(block, light.texels());
-            self.set_moments(block);
-            self.set_norms(block, light.texels());
-            self.set_nodes(block);
+            self.set_rows(block, light.texels());
+            for path in 0..2 {
+                self.set_texels(block, path);
+                self.set_moments(block, path);
+                self.set_nodes(block, path);
+            }
             self.set_weights(block);
+            let sums = self.rows.each_ref().map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
+            total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
         }
         self.mean = total.into_iter().fold(0.0, f64::max) / (4.0 * std::f64::consts::PI);
         self.is_dark = self.mean == 0.0;
         Ok(())
     }
 
-    /// Σ |L| Ω of R, G and B.
-    fn total(&self, light: &[Vector3<f32>]) -> [f64; 3] {
-        let mut total = [0.0; 3];
-        for (&texel, [solid, ..]) in self.layout.all_texels().iter().zip(&self.omega) {
+    /// Radiance × solid angle of a block, and its norms.
+    fn set_rows(&mut self, block: usize, light: &[Vector3<f32>]) {
+        let len = self.layout.block_len();
+        let [r, g, b] = &mut self.rows;
+        let mut peak = 0.0_f32;
+        let texels = self.texel[block * len..].iter().zip(&self.omega[block * len..]);
+        for (((&texel, [solid, ..]), r), (g, b)) in texels.zip(r).zip(g.iter_mut().zip(b)) {
             let radiance = light[texel as usize];
-            for channel in 0..3 {
-                total[channel] += f64::from(radiance[channel].abs()) * solid;
-            }
+            (*r, *g, *b) =
+                (f64::from(radiance.x) * solid, f64::from(radiance.y) * solid, f64::from(radiance.z) * solid);
+            peak = peak.max(radiance.amax());
         }
-        total
-    }
-
-    /// The larger norms of R, G and B.
-    fn set_norms(&mut self, block: usize, light: &[Vector3<f32>]) {
-        let peak = self.layout.texels(block).iter().map(|&texel| light[texel as usize].amax()).fold(0.0, f32::max);
         let norms = self.rows.iter().map(|row| Norms::new(row, f64::from(peak)));
         self.norms[block] = norms.fold(Norms::default(), Norms::larger);
     }
 
-    /// Texels of a block; leaves radiance × solid angle in the rows, row after row.
-    fn set_texels(&mut self, block: usize, light: &[Vector3<f32>]) {
-        let len = self.layout.block_len();
-        let range = block * len..(block + 1) * len;
-        let [r, g, b] = &mut self.rows;
-        let places = self.layout.texels(block).iter().zip(&self.omega[range.clone()]).zip(&self.pixels);
-        for (at, ((&texel, [solid, ..]), &pixel)) in range.zip(places) {
-            let (radiance, pixel) = (light[texel as usize], pixel as usize);
-            (r[pixel], g[pixel], b[pixel]) =
-                (f64::from(radiance.x) * solid, f64::from(radiance.y) * solid, f64::from(radiance.z) * solid);
-            let texels = &mut self.texels[at / GROUP];
-            (texels[0][at % GROUP], texels[1][at % GROUP], texels[2][at % GROUP]) =
-                (r[pixel] as f32, g[pixel] as f32, b[pixel] as f32);
+    /// The rows along a path.
+    fn set_texels(&mut self, block: usize, path: usize) {
+        let groups = self.layout.block_len() / GROUP;
+        let pixels = self.layout.scans()[path].pixels().chunks_exact(GROUP);
+        let first = (path * self.layout.blocks() + block) * groups;
+        for (eight, pixels) in self.texels[first..][..groups].iter_mut().zip(pixels) {
+            for (texels, row) in eight.iter_mut().zip(&self.rows) {
+                texels.iter_mut().zip(pixels).for_each(|(texel, &pixel)| *texel = row[pixel as usize] as f32);
+            }
         }
     }
 
     /// Suffix sums of the rows × directions.
-    fn set_moments(&mut self, block: usize) {
+    fn set_moments(&mut self, block: usize, path: usize) {
         let len = self.layout.block_len();
-        let range = block * len..(block + 1) * len;
-        let [r, g, b] = &self.rows;
+        let first = (path * self.layout.blocks() + block) * len;
+        let ([r, g, b], omega) = (&self.rows, &self.omega[block * len..][..len]);
         let mut sums = [0.0_f64; 9];
-        let places = self.omega[range.clone()].iter().zip(&self.pixels);
-        let tables = self.moments[range.clone()].iter_mut().zip(&mut self.ninths[range]);
-        for (([_, x, y, z], &pixel), (eight, ninth)) in places.zip(tables).rev() {
+        let tables = self.moments[first..][..len].iter_mut().zip(&mut self.ninths[first..][..len]);
+        for (&pixel, (eight, ninth)) in self.layout.scans()[path].pixels().iter().zip(tables).rev() {
             let pixel = pixel as usize;
-            let (r, g, b) = (r[pixel], g[pixel], b[pixel]);
+            let ([_, x, y, z], r, g, b) = (omega[pixel], r[pixel], g[pixel], b[pixel]);
             let terms = [r * x, r * y, r * z, g * x, g * y, g * z, b * x, b * y, b * z];
             for k in 0..9 {
                 sums[k] += terms[k];
@@ -200,11 +196,13 @@ impl LightForms {
     }
 
     /// Suffix sums of the rows × cardinal functions.
-    fn set_nodes(&mut self, block: usize) {
+    fn set_nodes(&mut self, block: usize, path: usize) {
         let len = self.layout.block_len();
+        let first = (path * self.layout.blocks() + block) * len;
         let ([r, g, b], cardinals) = (&self.rows, &self.interpolation.levels()[1].cardinals);
         let mut sums = [0.0_f64; 12];
-        for (row, &pixel) in self.nodes[block * len..][..len].iter_mut().zip(&self.pixels).rev() {
+        let rows = self.nodes[first..][..len].iter_mut();
+        for (&pixel, row) in self.layout.scans()[path].pixels().iter().zip(rows).rev() {
             let pixel = pixel as usize;
             for k in 0..4 {
                 let cardinal = cardinals[k][pixel];

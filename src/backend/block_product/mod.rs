@@ -31,6 +31,7 @@ mod layout;
 mod light;
 mod live;
 mod lobes;
+mod paths;
 mod products;
 mod relighter;
 mod rule;

@@ -1,5 +1,7 @@
 //! The sums of one vertex: algorithm 1 [Inger 2013] for one lobe, and the cosine of all lobes together.
 
+use std::ops::Range;
+
 use super::cases::{Case, Cases};
 use super::light::{LightForms, NODES};
 use super::samples::{Samples, Sums, reflect};
@@ -28,9 +30,9 @@ impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
             // A table of as many rows as a byte can say needs no check of each look-up.
             match (eights.first_chunk::<256>(), ninths.first_chunk()) {
                 (Some(eights), Some(ninths)) if len == 256 => {
-                    self.block(MomentTable::<_, [f32; 256]> { eights, ninths })
+                    self.course(MomentTable::<_, [f32; 256]> { eights, ninths })
                 }
-                _ => self.block(MomentTable { eights, ninths }),
+                _ => self.course(MomentTable { eights, ninths }),
             }
         }
     }
@@ -38,8 +40,8 @@ impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
 
 impl<V: Visible> Moments<'_, V> {
     #[inline(always)]
-    fn block<T: Table<Sum = MomentSums>>(&mut self, table: T) {
-        for &batch in self.group.next_block() {
+    fn course<T: Table<Sum = MomentSums>>(&mut self, table: T) {
+        for &batch in self.group.next_course() {
             let (vertices, changes) = self.group.next_maps(batch);
             for (&vertex, changes) in vertices.iter().zip(changes.chunks_exact(usize::from(batch.changes))) {
                 if self.wanted[usize::from(vertex)] {
@@ -75,12 +77,12 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
         self.each(cases.list(Case::Free1), &mut total, |sum, block| sum.coefficients::<1>(block, 0));
         self.each(cases.list(Case::Free4), &mut total, |sum, block| sum.coefficients::<4>(block, 1));
         self.each(cases.list(Case::Free16), &mut total, |sum, block| sum.coefficients::<16>(block, 5));
-        self.each(cases.list(Case::Partly1), &mut total, |sum, block| sum.sums(block, true));
-        self.each(cases.list(Case::Partly4), &mut total, |sum, block| sum.sums(block, false));
+        self.each(cases.list(Case::Partly1), &mut total, |sum, course| sum.sums(course, true));
+        self.each(cases.list(Case::Partly4), &mut total, |sum, course| sum.sums(course, false));
         add(&mut total, self.samples.drain(self.kernel, self.normal));
         for (case, free) in [(Case::FreePixels, true), (Case::PartlyPixels, false)] {
-            for &block in cases.list(case) {
-                self.pixels(block as usize, free, &mut total);
+            for &course in cases.list(case) {
+                self.pixels(course as usize, free, &mut total);
             }
         }
         total
@@ -90,13 +92,20 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
 impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     /// Collects samples of blocks, and sums them up when the list is full.
     #[inline(always)]
-    fn each(&mut self, blocks: &[u32], total: &mut [f64; 3], collect: impl Fn(&mut Self, usize)) {
-        for &block in blocks {
+    fn each(&mut self, courses: &[u32], total: &mut [f64; 3], collect: impl Fn(&mut Self, usize)) {
+        for &course in courses {
             if !self.samples.has_room(16) {
                 add(total, self.samples.drain(self.kernel, self.normal));
             }
-            collect(self, block as usize);
+            collect(self, course as usize);
         }
+    }
+
+    /// The block of a course.
+    #[inline(always)]
+    fn block(&self, course: usize) -> usize {
+        let blocks = self.light.layout().blocks();
+        if course < blocks { course } else { course - blocks }
     }
 
     /// Line 6: N samples, weighted with the light of the whole block.
@@ -111,9 +120,9 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
 
     /// Line 9: one sample or four, weighted with the light that is not hidden.
     #[inline(always)]
-    fn sums(&mut self, block: usize, constant: bool) {
-        let len = self.light.layout().block_len();
-        let sums = self.maps.sum(self.first + block, &self.light.nodes[block * len..][..len]);
+    fn sums(&mut self, course: usize, constant: bool) {
+        let (block, len) = (self.block(course), self.light.layout().block_len());
+        let sums = self.maps.sum(self.first + block, &self.light.nodes[course * len..][..len]);
         let weights: [&[f32; 4]; 3] = [0, 4, 8].map(|k| sums[k..].first_chunk().expect("a row has twelve numbers"));
         let [x, y, z] = &self.directions.nodes;
         if constant {
@@ -129,15 +138,15 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
 
     /// Line 11: every pixel that is not hidden and not left out.
     #[inline(always)]
-    fn pixels(&mut self, block: usize, free: bool, total: &mut [f64; 3]) {
-        let len = self.light.layout().block_len();
-        let (count, first) = (len / GROUP, block * len / GROUP);
+    fn pixels(&mut self, course: usize, free: bool, total: &mut [f64; 3]) {
+        let (block, len) = (self.block(course), self.light.layout().block_len());
+        let (count, first) = (len / GROUP, course * len / GROUP);
         let mut groups = GroupBits::all(count);
         if !free {
             self.maps.expand(self.first + block, &mut self.levels[..count], &mut groups);
         }
         if let Some(cut) = self.cut {
-            groups = groups.and(cut.near(block, self.directions, count));
+            groups = groups.and(cut.near(first..first + count, self.directions, cut.least[block]));
         }
         let mut sums = Sums::default();
         while let Some(group) = groups.pop() {
@@ -166,17 +175,15 @@ pub(super) struct Cut<'a> {
 }
 
 impl Cut<'_> {
-    /// The groups of a block that count.
+    /// The groups that count, of some of one block.
     #[inline(always)]
-    fn near(self, block: usize, directions: &Directions, count: usize) -> GroupBits {
-        let range = block * count..(block + 1) * count;
-        let [x, y, z] = directions.groups.each_ref().map(|plane| &plane[range.clone()]);
-        let least = self.least[block];
+    fn near(self, groups: Range<usize>, directions: &Directions, least: f32) -> GroupBits {
+        let [x, y, z] = directions.groups.each_ref().map(|plane| &plane[groups.clone()]);
         let mut near = [0_u32; MOST_PLACES / GROUP];
         for (((&x, &y), &z), near) in x.iter().zip(y).zip(z).zip(&mut near) {
             *near = u32::from(x * self.mirror[0] + y * self.mirror[1] + z * self.mirror[2] >= least);
         }
-        GroupBits::of(&near[..count])
+        GroupBits::of(&near[..groups.len()])
     }
 }
 

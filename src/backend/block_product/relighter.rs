@@ -79,12 +79,12 @@ macro_rules! with_scheduled {
 
 impl<'a> Scheduled<'a> {
     fn new(transport: &'a Transport) -> Self {
-        let (vertices, blocks) = (transport.vertices(), transport.layout().blocks());
+        let (paths, vertices, blocks) = (transport.paths(), transport.vertices(), transport.layout().blocks());
         match transport.maps() {
-            Maps::Binary8(maps) => Self::Binary8(maps, Schedule::new(maps, vertices, blocks)),
-            Maps::Binary16(maps) => Self::Binary16(maps, Schedule::new(maps, vertices, blocks)),
-            Maps::Gray8(maps) => Self::Gray8(maps, Schedule::new(maps, vertices, blocks)),
-            Maps::Gray16(maps) => Self::Gray16(maps, Schedule::new(maps, vertices, blocks)),
+            Maps::Binary8(maps) => Self::Binary8(maps, Schedule::new(maps, paths, vertices, blocks)),
+            Maps::Binary16(maps) => Self::Binary16(maps, Schedule::new(maps, paths, vertices, blocks)),
+            Maps::Gray8(maps) => Self::Gray8(maps, Schedule::new(maps, paths, vertices, blocks)),
+            Maps::Gray16(maps) => Self::Gray16(maps, Schedule::new(maps, paths, vertices, blocks)),
         }
     }
 }
@@ -119,7 +119,7 @@ impl<'a> Relighter<'a> {
             scratch: vec![scratch; pieces()],
             needed: Vec::new(),
             scheduled: Scheduled::new(transport),
-            live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, expected, layout.blocks())),
+            live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, transport.paths(), layout.blocks())),
             is_weighed: false,
             arch: pulp::Arch::new(),
             light,

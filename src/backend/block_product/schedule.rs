@@ -3,6 +3,7 @@
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
+use super::paths::Paths;
 use super::visible::Visible;
 
 /// Vertices whose cosine sums are taken together: their number in a group is a byte.
@@ -16,16 +17,16 @@ pub(super) struct Batch {
     pub(super) maps: u16,
 }
 
-/// The changes of all maps that are not hidden, [group of vertices][block][number of changes][map].
+/// The changes of all maps that are not hidden, [group of vertices][course][number of changes][map].
 ///
-/// All of a group's vertices look up a block before the next one comes, so that its table is read from the first cache; and
+/// All of a group's vertices look up a course before the next one comes, so that its table is read from the first cache; and
 /// maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended before.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Schedule<C> {
-    blocks: usize,
+    courses: usize,
     /// [group]: where its batches, maps and changes begin; one more at the end.
     starts: Vec<[usize; 3]>,
-    /// [group][block]: the number of batches.
+    /// [group][course]: the number of batches.
     counts: Vec<u16>,
     batches: Vec<Batch>,
     /// [map]: the vertex in its group.
@@ -35,19 +36,23 @@ pub(super) struct Schedule<C> {
 
 impl<C: Copy + Send + Sync> Schedule<C> {
     /// Of maps [vertex][block].
-    pub(super) fn new<V: Visible<Change = C>>(maps: &V, vertices: usize, blocks: usize) -> Self {
+    pub(super) fn new<V: Visible<Change = C>>(maps: &V, paths: &Paths, vertices: usize, blocks: usize) -> Self {
         let groups = vertices.div_ceil(TOGETHER);
         let group = |group: usize| {
-            let mut part = Self::empty(blocks);
-            let range = group * TOGETHER..vertices.min((group + 1) * TOGETHER);
-            (0..blocks).for_each(|block| part.push(maps, range.clone().map(|vertex| vertex * blocks + block)));
+            let mut part = Self::empty(2 * blocks);
+            let first = group * TOGETHER;
+            for course in 0..2 * blocks {
+                let (path, block) = (course / blocks, course % blocks);
+                let here = (first..vertices.min(first + TOGETHER)).filter(|&v| paths.of(v, block, blocks) == path);
+                part.push(maps, here.map(|vertex| ((vertex - first) as u8, vertex * blocks + block)));
+            }
             part
         };
         #[cfg(feature = "rayon")]
         let parts: Vec<Self> = (0..groups).into_par_iter().map(group).collect();
         #[cfg(not(feature = "rayon"))]
         let parts = (0..groups).map(group);
-        let mut all = Self::empty(blocks);
+        let mut all = Self::empty(2 * blocks);
         for part in parts {
             all.counts.extend(part.counts);
             all.batches.extend(part.batches);
@@ -58,9 +63,9 @@ impl<C: Copy + Send + Sync> Schedule<C> {
         all
     }
 
-    fn empty(blocks: usize) -> Self {
+    fn empty(courses: usize) -> Self {
         Self {
-            blocks,
+            courses,
             starts: vec![[0; 3]],
             counts: Vec::new(),
             batches: Vec::new(),
@@ -69,9 +74,9 @@ impl<C: Copy + Send + Sync> Schedule<C> {
         }
     }
 
-    /// Appends one block of a group: `maps` of its vertices in turn.
-    fn push<V: Visible<Change = C>>(&mut self, maps: &V, of_block: impl Iterator<Item = usize>) {
-        let sized = of_block.enumerate().map(|(vertex, map)| (maps.count(map), vertex as u8, map));
+    /// Appends one course of a group: vertices and their maps.
+    fn push<V: Visible<Change = C>>(&mut self, maps: &V, course: impl Iterator<Item = (u8, usize)>) {
+        let sized = course.map(|(vertex, map)| (maps.count(map), vertex, map));
         let mut seen: Vec<_> = sized.filter(|&(changes, ..)| changes > 0).collect();
         seen.sort_unstable();
         let before = self.batches.len();
@@ -89,7 +94,7 @@ impl<C: Copy + Send + Sync> Schedule<C> {
     pub(super) fn group(&self, group: usize) -> Group<'_, C> {
         let ([b, v, c], [b_end, v_end, c_end]) = (self.starts[group], self.starts[group + 1]);
         Group {
-            counts: &self.counts[group * self.blocks..][..self.blocks],
+            counts: &self.counts[group * self.courses..][..self.courses],
             batches: &self.batches[b..b_end],
             vertices: &self.vertices[v..v_end],
             changes: &self.changes[c..c_end],
@@ -116,10 +121,10 @@ pub(super) struct Group<'a, C> {
 }
 
 impl<'a, C> Group<'a, C> {
-    /// Takes the next block's batches.
+    /// Takes the next course's batches.
     #[inline(always)]
-    pub(super) fn next_block(&mut self) -> &'a [Batch] {
-        let (&count, rest) = self.counts.split_first().expect("a group has all blocks");
+    pub(super) fn next_course(&mut self) -> &'a [Batch] {
+        let (&count, rest) = self.counts.split_first().expect("a group has all courses");
         self.counts = rest;
         take(&mut self.batches, usize::from(count))
     }

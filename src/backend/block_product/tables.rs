@@ -22,11 +22,11 @@ pub(super) struct Radii {
 /// Directions that do not change with light, view or materials.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// [block][group of eight places] x, y, z
+    /// [course][group of eight places] x, y, z
     pub(super) pixels: Vec<Eight<3>>,
     /// [block][node of 1, 4, 16]
     pub(super) nodes: [Vec<f32>; 3],
-    /// [block][eight places on end]
+    /// [course][eight places on end]
     pub(super) groups: [Vec<f32>; 3],
     pub(super) radii: Radii,
     /// [block]
@@ -50,8 +50,8 @@ impl Directions {
         let push = |planes: &mut [Vec<f32>; 3], d: Vector3<f64>| {
             planes.iter_mut().zip(d.iter()).for_each(|(plane, &c)| plane.push(c as f32));
         };
-        for block in 0..layout.blocks() {
-            for texels in layout.texels(block).chunks_exact(GROUP) {
+        for course in 0..layout.courses() {
+            for texels in layout.course(course).chunks_exact(GROUP) {
                 let places = texels.iter().map(|&t| layout.grid().direction(t as usize).into_inner());
                 let centre = places.clone().sum::<Vector3<f64>>().normalize();
                 push(&mut all.groups, centre);
@@ -62,6 +62,8 @@ impl Directions {
                 all.pixels.push(eight);
                 all.radii.group = places.map(|d| d.angle(&centre)).fold(all.radii.group, f64::max);
             }
+        }
+        for block in 0..layout.blocks() {
             for node in interpolation.levels().iter().flat_map(|level| &level.nodes) {
                 push(&mut all.nodes, layout.direction(block, node[0], node[1]));
             }

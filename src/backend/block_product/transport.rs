@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::coding::{BitCutter, Coded, GrayCutter, count_samples};
+use super::coding::{BitCutter, Coded, GrayCutter, Pathed, count_samples};
 use super::layout::BlockLayout;
+use super::paths::Paths;
 use crate::compress::{BinaryMaps, GrayMaps, RunStats};
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
 use crate::sphere::CubeGrid;
@@ -37,6 +38,7 @@ use crate::{Error, Progress, Result};
 pub struct Transport {
     layout: BlockLayout,
     maps: Maps,
+    paths: Paths,
 }
 
 /// Coded maps, [vertex][block].
@@ -156,9 +158,9 @@ impl Transport {
         })
     }
 
-    /// A transport of maps, [vertex][block].
-    pub(super) fn from_maps(layout: BlockLayout, maps: Maps) -> Self {
-        Self { layout, maps }
+    /// A transport of maps, [vertex][block], and of their paths.
+    pub(super) fn from_maps(layout: BlockLayout, maps: Maps, paths: Paths) -> Self {
+        Self { layout, maps, paths }
     }
 
     /// The layout.
@@ -168,6 +170,20 @@ impl Transport {
 
     pub(super) fn maps(&self) -> &Maps {
         &self.maps
+    }
+
+    pub(super) fn paths(&self) -> &Paths {
+        &self.paths
+    }
+
+    /// Which of the layout's paths a block of a vertex is coded along: 0, or 1 if that has fewer changes.
+    ///
+    /// # Panics
+    /// If `vertex` or `block` is out of range.
+    pub fn path(&self, vertex: usize, block: usize) -> usize {
+        let blocks = self.layout.blocks();
+        assert!(vertex < self.vertices() && block < blocks, "block {block} of vertex {vertex}");
+        self.paths.of(vertex, block, blocks)
     }
 
     /// How many vertices there are.
@@ -194,7 +210,7 @@ impl Transport {
         let mut block = vec![0.0_f32; self.layout.block_len()];
         for b in 0..self.layout.blocks() {
             with_maps!(&self.maps, maps => maps.map(vertex * self.layout.blocks() + b).decode(&mut block));
-            for (&texel, &value) in self.layout.texels(b).iter().zip(&block) {
+            for (&texel, &value) in self.layout.texels(self.path(vertex, b), b).iter().zip(&block) {
                 out[texel as usize] = value;
             }
         }
@@ -202,7 +218,9 @@ impl Transport {
 
     /// Counts and sizes. Cost: codes the file once.
     pub fn stats(&self) -> TransportStats {
-        let coded = with_maps!(&self.maps, maps => maps.stats());
+        let mut coded = with_maps!(&self.maps, maps => maps.stats());
+        coded.bytes_in_memory += self.paths.bytes();
+        coded.bytes_in_file += self.paths.bytes();
         TransportStats { vertices: self.vertices(), blocks: self.layout.blocks(), coded }
     }
 
@@ -244,18 +262,20 @@ fn binary<S: Send>(
     words: impl Fn(usize, &mut S) -> (&mut BitCutter, &mut Vec<u64>) + Sync,
 ) -> Result<Transport> {
     let len = layout.block_len();
-    let maps = if len <= 256 {
-        Maps::Binary8(code(vertices, (len, 1), progress, &scratch, |vertex, s, maps: &mut BinaryMaps<u8>| {
+    let (maps, paths) = if len <= 256 {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u8>>| {
             let (cutter, words) = words(vertex, s);
-            cutter.code(words, maps);
-        })?)
+            cutter.code(words, to);
+        })?;
+        (Maps::Binary8(all.maps), all.paths)
     } else {
-        Maps::Binary16(code(vertices, (len, 1), progress, &scratch, |vertex, s, maps: &mut BinaryMaps<u16>| {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u16>>| {
             let (cutter, words) = words(vertex, s);
-            cutter.code(words, maps);
-        })?)
+            cutter.code(words, to);
+        })?;
+        (Maps::Binary16(all.maps), all.paths)
     };
-    Ok(Transport { layout: layout.clone(), maps })
+    Ok(Transport { layout: layout.clone(), maps, paths })
 }
 
 /// Codes maps of several levels; `counts` makes those of a vertex in its scratch.
@@ -276,18 +296,20 @@ fn gray<S: Send>(
     }
     let (len, top, normals) = (layout.block_len(), ((1_u32 << bits) - 1) as u8, mesh.normals());
     let scratch = || (GrayCutter::new(layout, samples, top), scratch());
-    let maps = if len <= 256 {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), maps: &mut GrayMaps<u8>| {
-            cutter.code(counts(vertex, s), &normals[vertex], maps);
+    let (maps, paths) = if len <= 256 {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u8>>| {
+            cutter.code(counts(vertex, s), &normals[vertex], to);
         };
-        Maps::Gray8(code(normals.len(), (len, top), progress, &scratch, one)?)
+        let all = code(normals.len(), (len, top), progress, &scratch, one)?;
+        (Maps::Gray8(all.maps), all.paths)
     } else {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), maps: &mut GrayMaps<u16>| {
-            cutter.code(counts(vertex, s), &normals[vertex], maps);
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u16>>| {
+            cutter.code(counts(vertex, s), &normals[vertex], to);
         };
-        Maps::Gray16(code(normals.len(), (len, top), progress, &scratch, one)?)
+        let all = code(normals.len(), (len, top), progress, &scratch, one)?;
+        (Maps::Gray16(all.maps), all.paths)
     };
-    Ok(Transport { layout: layout.clone(), maps })
+    Ok(Transport { layout: layout.clone(), maps, paths })
 }
 
 /// Codes all vertices, a piece at a time, in parallel, and joins the pieces in order.
@@ -296,32 +318,33 @@ fn code<M: Coded, S: Send>(
     (len, top): (usize, u8),
     progress: &impl Progress,
     scratch: &(impl Fn() -> S + Sync),
-    one: impl Fn(usize, &mut S, &mut M) + Sync,
-) -> Result<M> {
+    one: impl Fn(usize, &mut S, &mut Pathed<M>) + Sync,
+) -> Result<Pathed<M>> {
     // A few hundred pieces: enough to balance threads, few enough to report each.
     let piece = vertices.div_ceil(256).max(1);
     let done = AtomicUsize::new(0);
-    let run = |s: &mut S, first: usize| -> Result<M> {
-        let mut maps = M::empty(len, top)?;
+    let run = |s: &mut S, first: usize| -> Result<Pathed<M>> {
+        let mut part = Pathed::empty(len, top)?;
         let end = (first + piece).min(vertices);
         for vertex in first..end {
             if vertex % 8 == 0 && progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            one(vertex, s, &mut maps);
+            one(vertex, s, &mut part);
         }
         progress.advance(done.fetch_add(end - first, Ordering::Relaxed) + end - first, vertices);
-        Ok(maps)
+        Ok(part)
     };
     let firsts: Vec<usize> = (0..vertices).step_by(piece).collect();
     #[cfg(feature = "rayon")]
-    let pieces: Vec<M> = firsts.par_iter().map_init(scratch, |s, &first| run(s, first)).collect::<Result<_>>()?;
+    let pieces: Vec<Pathed<M>> =
+        firsts.par_iter().map_init(scratch, |s, &first| run(s, first)).collect::<Result<_>>()?;
     #[cfg(not(feature = "rayon"))]
-    let pieces: Vec<M> = {
+    let pieces: Vec<Pathed<M>> = {
         let mut s = scratch();
         firsts.iter().map(|&first| run(&mut s, first)).collect::<Result<_>>()?
     };
-    let mut all = M::empty(len, top)?;
-    pieces.iter().try_for_each(|maps| all.join(maps))?;
+    let mut all = Pathed::empty(len, top)?;
+    pieces.iter().try_for_each(|part| all.join(part))?;
     Ok(all)
 }

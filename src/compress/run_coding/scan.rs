@@ -31,6 +31,7 @@ pub enum ScanOrder {
 pub struct Scan {
     order: ScanOrder,
     pixels: Vec<u32>,
+    is_row_major: bool,
 }
 
 impl Scan {
@@ -59,7 +60,24 @@ impl Scan {
             ScanOrder::Serpentine => i,
             ScanOrder::Hilbert => hilbert(width, i),
         };
-        Ok(Self { order, pixels: (0..len).map(|i| pixel(i) as u32).collect() })
+        let is_row_major = order == ScanOrder::RowMajor;
+        Ok(Self { order, pixels: (0..len).map(|i| pixel(i) as u32).collect(), is_row_major })
+    }
+
+    /// The same path turned about the diagonal: down columns where [`new`](Self::new) goes along rows.
+    ///
+    /// An edge that is nearly level changes a path along rows in few places, one that is nearly upright a path down columns: of the
+    /// two, the better one has three changes in five of either alone, or of Hilbert's curve (docs/block_product.md).
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn turned(order: ScanOrder, width: usize, height: usize) -> Result<Self> {
+        let Self { mut pixels, .. } = Self::new(order, height, width)?;
+        for pixel in &mut pixels {
+            let (x, y) = (*pixel as usize / height, *pixel as usize % height);
+            *pixel = (y * width + x) as u32;
+        }
+        Ok(Self { order, pixels, is_row_major: false })
     }
 
     /// The order.
@@ -82,7 +100,7 @@ impl Scan {
     pub fn apply<T: Copy>(&self, image: &[T], out: &mut [T]) {
         check_length("pixels", self.pixels.len(), image.len());
         check_length("path", self.pixels.len(), out.len());
-        if self.order == ScanOrder::RowMajor {
+        if self.is_row_major {
             return out.copy_from_slice(image);
         }
         for (out, &pixel) in out.iter_mut().zip(&self.pixels) {
@@ -113,7 +131,7 @@ impl Scan {
         let words = self.pixels.len().div_ceil(64);
         check_length("words of pixels", words, image.len());
         check_length("words of the path", words, out.len());
-        if self.order == ScanOrder::RowMajor {
+        if self.is_row_major {
             return out.copy_from_slice(image);
         }
         for (out, pixels) in out.iter_mut().zip(self.pixels.chunks(64)) {
