@@ -15,7 +15,7 @@ use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
-use super::tables::GROUP;
+use super::tiles::GROUP;
 use super::visible::{MOST_PLACES, Visible};
 use crate::compress::MapState;
 use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};

@@ -50,11 +50,7 @@ impl BlockLayout {
         let along = grid.side() / side;
         let mut texels = Vec::with_capacity(2 * grid.len());
         for (scan, block) in scans.iter().flat_map(|scan| (0..6 * along * along).map(move |block| (scan, block))) {
-            let (face, by, bx) = (block / (along * along), block / along % along, block % along);
-            for &pixel in scan.pixels() {
-                let (y, x) = (pixel as usize / side, pixel as usize % side);
-                texels.push(grid.index(Face::ALL[face], bx * side + x, by * side + y) as u32);
-            }
+            texels.extend(scan.pixels().iter().map(|&pixel| texel(grid, side, block, pixel as usize) as u32));
         }
         Ok(Self { grid, side, scans, texels })
     }
@@ -99,9 +95,9 @@ impl BlockLayout {
         self.course(path * self.blocks() + block)
     }
 
-    /// Blocks times paths.
-    pub(super) fn courses(&self) -> usize {
-        2 * self.blocks()
+    /// The flat texel of a pixel of a block, row after row.
+    pub(super) fn texel(&self, block: usize, pixel: usize) -> usize {
+        texel(self.grid, self.side, block, pixel)
     }
 
     /// The flat texel of each place of a course.
@@ -147,4 +143,11 @@ impl BlockLayout {
         let half = along.div_ceil(2);
         (0..half).flat_map(|by| (by..half).map(move |bx| by * along + bx)).collect()
     }
+}
+
+/// The flat texel of a pixel of a block of `side`².
+fn texel(grid: CubeGrid, side: usize, block: usize, pixel: usize) -> usize {
+    let along = grid.side() / side;
+    let (face, by, bx) = (block / (along * along), block / along % along, block % along);
+    grid.index(Face::ALL[face], bx * side + pixel % side, by * side + pixel / side)
 }

@@ -6,7 +6,7 @@ use super::bounds::Norms;
 use super::interpolation::{Basis, Interpolation};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
-use super::tables::{Eight, GROUP};
+use super::tiles::{Eight, GROUP, Tiles};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
@@ -17,7 +17,7 @@ use crate::{Error, Result};
 /// | weights of 1, 4 and 16 samples | nothing hidden | 1 |
 /// | suffix sums of light × each of the four cardinal functions | partly hidden, BRDF of 1 or 4 samples | 48 × 2 |
 /// | suffix sums of light × direction | partly hidden or not, cosine: exact | 36 × 2 |
-/// | texels | anything | 12 × 2 |
+/// | texels | anything | 12 |
 ///
 /// A cosine is linear in direction, so that Σ L V n·ω = n · Σ L V ω: a diffuse surface needs no sample and no horizon.
 #[derive(Debug, Clone)]
@@ -35,7 +35,8 @@ pub struct LightForms {
     pub(super) moments: Vec<Lanes>,
     /// [course][place] z for B
     pub(super) ninths: Vec<f32>,
-    /// [course][group of eight places] R, G, B
+    tiles: Tiles,
+    /// [block][group] R, G, B
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
     pub(super) norms: Vec<Norms>,
@@ -58,10 +59,9 @@ impl LightForms {
         let interpolation = Interpolation::new(layout.side(), basis)?;
         let (grid, len) = (layout.grid(), layout.grid().len());
         let solid_angles = grid.face_solid_angles();
-        let mut texel = vec![0; len];
-        for (block, texel) in texel.chunks_exact_mut(layout.block_len()).enumerate() {
-            layout.scans()[0].undo(layout.course(block), texel);
-        }
+        let texel: Vec<u32> = (0..layout.blocks())
+            .flat_map(|block| (0..layout.block_len()).map(move |pixel| layout.texel(block, pixel) as u32))
+            .collect();
         let omega = |&texel: &u32| {
             let d = grid.direction(texel as usize);
             [solid_angles[texel as usize % grid.face_len()], d.x, d.y, d.z]
@@ -73,11 +73,12 @@ impl LightForms {
             nodes: vec![[0.0; 12]; 2 * len],
             moments: vec![Lanes::default(); 2 * len],
             ninths: vec![0.0; 2 * len],
-            texels: vec![[[0.0; GROUP]; 3]; 2 * len / GROUP],
+            texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
             norms: vec![Norms::default(); layout.blocks()],
             rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
             is_dark: true,
+            tiles: Tiles::new(layout),
             layout: layout.clone(),
             interpolation,
         })
@@ -91,6 +92,11 @@ impl LightForms {
     /// The grid of the light.
     pub fn grid(&self) -> CubeGrid {
         self.layout.grid()
+    }
+
+    #[inline(always)]
+    pub(super) fn tiles(&self) -> &Tiles {
+        &self.tiles
     }
 
     pub(super) fn interpolation(&self) -> &Interpolation {
@@ -134,8 +140,8 @@ impl LightForms {
         let mut total = [0.0; 3];
         for block in 0..self.layout.blocks() {
             self.set_rows(block, light.texels());
+            self.set_texels(block);
             for path in 0..2 {
-                self.set_texels(block, path);
                 self.set_moments(block, path);
                 self.set_nodes(block, path);
             }
@@ -164,12 +170,11 @@ impl LightForms {
         self.norms[block] = norms.fold(Norms::default(), Norms::larger);
     }
 
-    /// The rows along a path.
-    fn set_texels(&mut self, block: usize, path: usize) {
+    /// The rows in groups.
+    fn set_texels(&mut self, block: usize) {
         let groups = self.layout.block_len() / GROUP;
-        let pixels = self.layout.scans()[path].pixels().chunks_exact(GROUP);
-        let first = (path * self.layout.blocks() + block) * groups;
-        for (eight, pixels) in self.texels[first..][..groups].iter_mut().zip(pixels) {
+        let pixels = self.tiles.pixels().chunks_exact(GROUP);
+        for (eight, pixels) in self.texels[block * groups..][..groups].iter_mut().zip(pixels) {
             for (texels, row) in eight.iter_mut().zip(&self.rows) {
                 texels.iter_mut().zip(pixels).for_each(|(texel, &pixel)| *texel = row[pixel as usize] as f32);
             }

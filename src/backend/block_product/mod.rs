@@ -40,6 +40,7 @@ mod schedule;
 mod stats;
 mod suffix;
 mod tables;
+mod tiles;
 mod transport;
 mod visible;
 

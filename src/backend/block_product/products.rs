@@ -7,7 +7,8 @@ use super::light::{LightForms, NODES};
 use super::samples::{Samples, Sums, reflect};
 use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};
-use super::tables::{Directions, GROUP};
+use super::tables::Directions;
+use super::tiles::GROUP;
 use super::visible::{GroupBits, MOST_PLACES, Visible};
 use crate::scene::Kernel;
 
@@ -140,13 +141,14 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     #[inline(always)]
     fn pixels(&mut self, course: usize, free: bool, total: &mut [f64; 3]) {
         let (block, len) = (self.block(course), self.light.layout().block_len());
-        let (count, first) = (len / GROUP, course * len / GROUP);
+        let (count, first) = (len / GROUP, block * len / GROUP);
         let mut groups = GroupBits::all(count);
-        if !free {
-            self.maps.expand(self.first + block, &mut self.levels[..count], &mut groups);
-        }
         if let Some(cut) = self.cut {
-            groups = groups.and(cut.near(first..first + count, self.directions, cut.least[block]));
+            groups = cut.near(first..first + count, self.directions, cut.least[block]);
+        }
+        if !free {
+            let path = self.light.tiles().path(course != block);
+            groups = groups.and(self.maps.expand(self.first + block, path, &mut self.levels[..count]));
         }
         let mut sums = Sums::default();
         while let Some(group) = groups.pop() {

@@ -107,7 +107,7 @@ impl<'a> Relighter<'a> {
         let light = LightForms::new(layout, settings.basis)?;
         let gauge = Gauge::new(layout, light.interpolation());
         let radius = gauge.radius();
-        let directions = Directions::new(layout, light.interpolation());
+        let directions = Directions::new(layout, light.tiles(), light.interpolation());
         let scratch = Scratch::new(layout.blocks());
         Ok(Self {
             mesh,

@@ -1,6 +1,6 @@
 //! Sums of reflectance × weights over directions.
 
-use super::tables::{Eight, GROUP};
+use super::tiles::{Eight, GROUP};
 use crate::scene::Kernel;
 
 /// Directions and RGB weights, structure of arrays.

@@ -5,12 +5,7 @@ use nalgebra::Vector3;
 use super::interpolation::Interpolation;
 use super::layout::BlockLayout;
 use super::light::NODES;
-
-/// Places that are taken or left together.
-pub(super) const GROUP: usize = 8;
-
-/// N numbers of each place of a group.
-pub(super) type Eight<const N: usize> = [[f32; GROUP]; N];
+use super::tiles::{Eight, GROUP, Tiles};
 
 /// The largest angles between a centre and what lies around it, in radians.
 #[derive(Debug, Clone, Copy)]
@@ -22,11 +17,11 @@ pub(super) struct Radii {
 /// Directions that do not change with light, view or materials.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// [course][group of eight places] x, y, z
+    /// [block][group] x, y, z
     pub(super) pixels: Vec<Eight<3>>,
     /// [block][node of 1, 4, 16]
     pub(super) nodes: [Vec<f32>; 3],
-    /// [course][eight places on end]
+    /// [block][group], the middle
     pub(super) groups: [Vec<f32>; 3],
     pub(super) radii: Radii,
     /// [block]
@@ -36,7 +31,7 @@ pub(super) struct Directions {
 }
 
 impl Directions {
-    pub(super) fn new(layout: &BlockLayout, interpolation: &Interpolation) -> Self {
+    pub(super) fn new(layout: &BlockLayout, tiles: &Tiles, interpolation: &Interpolation) -> Self {
         use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
         let mut all = Self {
             pixels: Default::default(),
@@ -50,9 +45,10 @@ impl Directions {
         let push = |planes: &mut [Vec<f32>; 3], d: Vector3<f64>| {
             planes.iter_mut().zip(d.iter()).for_each(|(plane, &c)| plane.push(c as f32));
         };
-        for course in 0..layout.courses() {
-            for texels in layout.course(course).chunks_exact(GROUP) {
-                let places = texels.iter().map(|&t| layout.grid().direction(t as usize).into_inner());
+        for block in 0..layout.blocks() {
+            for pixels in tiles.pixels().chunks_exact(GROUP) {
+                let texels = pixels.iter().map(|&pixel| layout.texel(block, pixel as usize));
+                let places = texels.map(|texel| layout.grid().direction(texel).into_inner());
                 let centre = places.clone().sum::<Vector3<f64>>().normalize();
                 push(&mut all.groups, centre);
                 let mut eight = [[0.0; GROUP]; 3];
@@ -62,8 +58,6 @@ impl Directions {
                 all.pixels.push(eight);
                 all.radii.group = places.map(|d| d.angle(&centre)).fold(all.radii.group, f64::max);
             }
-        }
-        for block in 0..layout.blocks() {
             for node in interpolation.levels().iter().flat_map(|level| &level.nodes) {
                 push(&mut all.nodes, layout.direction(block, node[0], node[1]));
             }

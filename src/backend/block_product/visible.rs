@@ -1,7 +1,7 @@
 //! What the products read of coded maps.
 
 use super::suffix::{NodeSums, Table};
-use super::tables::GROUP;
+use super::tiles::{GROUP, TilePath};
 use crate::compress::{BinaryMaps, GrayMaps, MapIndex, MapState};
 
 /// Places of the largest block.
@@ -80,10 +80,8 @@ pub(super) trait Visible: Sync {
     fn add_changes<T: Table>(&self, changes: &[Self::Change], sums: T, sum: &mut T::Sum);
     /// Σ V L of a map, from suffix sums of L.
     fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums;
-    /// Visibility of every place, eight on end a group; `levels` may hold anything where no place of a group is visible.
-    ///
-    /// Sets bit g of `groups` if a place of group g is visible.
-    fn expand(&self, map: usize, levels: &mut [[f32; GROUP]], groups: &mut GroupBits);
+    /// Visibility of every slot; `levels` may hold anything where no slot of a group is visible. Returns the groups where one is.
+    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits;
 }
 
 impl<I: MapIndex> Visible for BinaryMaps<I> {
@@ -129,12 +127,30 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, levels: &mut [[f32; GROUP]], groups: &mut GroupBits) {
-        let mut words = [0_u64; MOST_PLACES / 64];
-        let words = &mut words[..levels.len() * GROUP / 64];
-        self.map(map).decode_bits(words);
-        *groups = GroupBits::default();
-        for (w, (&word, levels)) in words.iter().zip(levels.chunks_exact_mut(8)).enumerate() {
+    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits {
+        let (changes, count) = (self.map(map).changes(), levels.len() / 8);
+        let mut words = [0; MOST_PLACES / 64];
+        match count {
+            // 16² places: as many bits as a register holds.
+            4 => {
+                let (rows, mut bits) = (path.suffixes.as_chunks::<4>().0, [0; 4]);
+                for change in changes {
+                    let row = &rows[change.place()];
+                    for k in 0..4 {
+                        bits[k] ^= row[k];
+                    }
+                }
+                words[..4].copy_from_slice(&bits);
+            }
+            _ => {
+                for change in changes {
+                    let row = &path.suffixes[change.place() * count..][..count];
+                    words.iter_mut().zip(row).for_each(|(word, row)| *word ^= row);
+                }
+            }
+        }
+        let mut groups = GroupBits::default();
+        for (w, (&word, levels)) in words[..count].iter().zip(levels.chunks_exact_mut(8)).enumerate() {
             for (k, (byte, levels)) in word.to_le_bytes().into_iter().zip(levels).enumerate() {
                 if byte != 0 {
                     *levels = LANES_OF[usize::from(byte)];
@@ -142,6 +158,7 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
                 }
             }
         }
+        groups
     }
 }
 
@@ -196,13 +213,20 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, levels: &mut [[f32; GROUP]], groups: &mut GroupBits) {
-        self.map(map).decode(levels.as_flattened_mut());
-        *groups = GroupBits::default();
+    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits {
+        levels.fill([0.0; GROUP]);
+        let (map, slots) = (self.map(map), levels.as_flattened_mut());
+        let top = f64::from(map.top());
+        for (span, level) in map.spans() {
+            let level = (f64::from(level) / top) as f32;
+            path.slots[span].iter().for_each(|&slot| slots[slot as usize] = level);
+        }
+        let mut groups = GroupBits::default();
         for (g, levels) in levels.iter().enumerate() {
             if *levels != [0.0; GROUP] {
                 groups.set(g);
             }
         }
+        groups
     }
 }
