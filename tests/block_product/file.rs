@@ -164,7 +164,7 @@ fn messages_say_what_is_wrong() {
     assert_eq!(refusal(b"something else", &path), "byte 0: is not a haarmonic transport");
     let mut newer = good.clone();
     newer[14] = 9;
-    assert_eq!(refusal(&newer, &path), "byte 14: has version 9, this build reads version 1: bake it again");
+    assert_eq!(refusal(&newer, &path), "byte 14: has version 9, this build reads version 2: bake it again");
     // Fields: side, block, path, top level, vertices; then the length of the first section.
     let with = |field: usize, value: u64| {
         let mut bytes = good.clone();
@@ -195,6 +195,12 @@ fn messages_say_what_is_wrong() {
         let reason = with(5, length);
         assert!(reason.contains("bytes of coded maps") || reason.contains("is cut short"), "{reason}");
     }
+    // The last three words are those of turned paths, a bit for each of 24 blocks.
+    let mut beyond = good.clone();
+    let last = good.len() - 4 - 8;
+    beyond[last + 3] |= 0x10;
+    let reason = refusal(&signed(beyond), &path);
+    assert!(reason.ends_with("a path is turned of a block that is beyond the 24 of a vertex"), "{reason}");
     let absent = Transport::load(&folder.path().join("absent.bin")).unwrap_err().to_string();
     assert!(absent.contains("absent.bin") && absent.contains("cannot be opened"), "{absent}");
 }

@@ -196,7 +196,7 @@ fn counts_are_of_all_blocks() {
         .collect();
     let live = |v: usize| {
         let layout = transport.layout();
-        (0..layout.blocks()).filter(|&b| layout.texels(b).iter().any(|&t| maps.sees(v, t as usize))).count()
+        (0..layout.blocks()).filter(|&b| layout.texels(0, b).iter().any(|&t| maps.sees(v, t as usize))).count()
     };
     let counts = |rule: Rule| {
         let mut relighter = Relighter::new(&mesh, &transport, settings(rule)).unwrap();

@@ -17,24 +17,35 @@ fn blocks_are_squares_and_hold_every_texel_once() {
             let layout = layout(side, block, order);
             assert_eq!((layout.grid(), layout.side(), layout.block_len()), (grid(side), block, block * block));
             assert_eq!(layout.blocks(), 6 * (side / block) * (side / block));
-            assert_eq!(layout.scan().order(), order);
+            assert_eq!(layout.scans().each_ref().map(|scan| scan.order()), [order; 2]);
             let mut seen = vec![0; layout.grid().len()];
-            for b in 0..layout.blocks() {
-                layout.texels(b).iter().for_each(|&texel| seen[texel as usize] += 1);
+            for (path, b) in (0..2).flat_map(|path| (0..layout.blocks()).map(move |b| (path, b))) {
+                layout.texels(path, b).iter().for_each(|&texel| seen[texel as usize] += 1);
                 // The same texels as the definition's, each where its pixel is on the path.
                 let reference = twin::Block::new(side, block, b);
-                for (&texel, &pixel) in layout.texels(b).iter().zip(layout.scan().pixels()) {
+                for (&texel, &pixel) in layout.texels(path, b).iter().zip(layout.scans()[path].pixels()) {
                     assert_eq!(texel as usize, reference.texel(pixel as usize), "{side}/{block} {order:?}, block {b}");
                 }
                 let on_face = |texel: u32| (texel as usize % (side * side) / side, texel as usize % side);
                 if order != ScanOrder::RowMajor {
-                    for pair in layout.texels(b).windows(2) {
+                    for pair in layout.texels(path, b).windows(2) {
                         let ((y, x), (v, u)) = (on_face(pair[0]), on_face(pair[1]));
                         assert_eq!(y.abs_diff(v) + x.abs_diff(u), 1, "{order:?} leaps");
                     }
                 }
             }
-            assert!(seen.iter().all(|&count| count == 1), "{side}/{block} {order:?}");
+            assert!(seen.iter().all(|&count| count == 2), "{side}/{block} {order:?}");
+        }
+    }
+}
+
+#[test]
+fn the_second_path_goes_down_where_the_first_goes_along() {
+    for order in ORDERS {
+        let layout = layout(16, 16, order);
+        let [along, down] = layout.scans();
+        for (&pixel, &turned) in along.pixels().iter().zip(down.pixels()) {
+            assert_eq!((pixel / 16, pixel % 16), (turned % 16, turned / 16), "{order:?}");
         }
     }
 }
@@ -44,7 +55,7 @@ fn directions_are_those_of_the_grid() {
     for (side, block) in SIZES {
         let layout = layout(side, block, ScanOrder::Hilbert);
         for b in 0..layout.blocks() {
-            for (&texel, &pixel) in layout.texels(b).iter().zip(layout.scan().pixels()) {
+            for (&texel, &pixel) in layout.texels(0, b).iter().zip(layout.scans()[0].pixels()) {
                 let (x, y) = (f64::from(pixel % block as u32), f64::from(pixel / block as u32));
                 let off = layout.direction(b, x, y) - layout.grid().direction(texel as usize).into_inner();
                 // Two ways to round a place on the face.

@@ -63,6 +63,49 @@ proptest! {
     }
 }
 
+/// How often numbers change along a path that starts with 0.
+fn changes(along: impl Iterator<Item = f32>) -> usize {
+    let (mut count, mut before) = (0, 0.0);
+    for value in along {
+        count += usize::from(value != before);
+        before = value;
+    }
+    count
+}
+
+#[test]
+fn each_block_takes_the_path_with_fewer_changes() {
+    let mesh = soup(20);
+    let mut taken = [0; 2];
+    for (side, block) in [(16, 8), (32, 16), (64, 32)] {
+        let baker = baker(&mesh, side);
+        for order in ORDERS {
+            let layout = layout(side, block, order);
+            let binary = Transport::bake(&baker, &layout, &()).unwrap();
+            let gray = Transport::bake_gray(&baker, &mesh, &layout, (2, 3), &()).unwrap();
+            for transport in [binary, gray] {
+                let mut all = 0;
+                for v in 0..60 {
+                    let map = decoded(&transport, v);
+                    for b in 0..layout.blocks() {
+                        let along = |path: usize| changes(layout.texels(path, b).iter().map(|&t| map[t as usize]));
+                        let (counts, path) = ([along(0), along(1)], transport.path(v, b));
+                        assert_eq!(
+                            path,
+                            usize::from(counts[1] < counts[0]),
+                            "{order:?}, vertex {v}, block {b}: {counts:?}"
+                        );
+                        taken[path] += usize::from(counts[0] != counts[1]);
+                        all += counts[path];
+                    }
+                }
+                assert_eq!(transport.stats().coded.changes, all);
+            }
+        }
+    }
+    assert!(taken[0] > 500 && taken[1] > 500, "{taken:?}");
+}
+
 #[test]
 fn baked_is_what_a_baked_map_becomes() {
     let mesh = soup(60);

@@ -36,32 +36,36 @@ impl Case {
 /// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
 #[derive(Debug, Clone)]
 pub(super) struct Cases {
+    /// The courses that contribute, and their cases, as they came.
+    found: Vec<(u32, Case)>,
     /// [case][entry]
     lists: [Vec<u32>; Case::COUNT],
-    lens: [usize; Case::COUNT],
 }
 
 impl Cases {
     pub(super) fn new(blocks: usize) -> Self {
-        Self { lists: std::array::from_fn(|_| vec![0; blocks]), lens: [0; Case::COUNT] }
+        Self { found: vec![(0, Case::Nothing); blocks], lists: std::array::from_fn(|_| Vec::with_capacity(blocks)) }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.lens = [0; Case::COUNT];
-    }
-
-    /// Appends a block by its course; no branch depends on its class.
+    /// Sorts live blocks by their classes. Most contribute nothing; no branch depends on which.
     #[inline(always)]
-    pub(super) fn push(&mut self, live: &Live, class: u8) {
-        let case = Case::of(class, live.free) as usize;
-        self.lists[case][self.lens[case]] = live.course;
-        self.lens[case] += 1;
+    pub(super) fn set(&mut self, live: &[Live], class: impl Fn(&Live) -> u8) {
+        let mut count = 0;
+        for live in live {
+            let case = Case::of(class(live), live.free);
+            self.found[count] = (live.course, case);
+            count += usize::from(case != Case::Nothing);
+        }
+        self.lists.iter_mut().for_each(Vec::clear);
+        for &(course, case) in &self.found[..count] {
+            self.lists[case as usize].push(course);
+        }
     }
 
     /// The courses of a case.
     #[inline(always)]
     pub(super) fn list(&self, case: Case) -> &[u32] {
-        &self.lists[case as usize][..self.lens[case as usize]]
+        &self.lists[case as usize]
     }
 
     /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.

@@ -107,7 +107,9 @@ fn read<R: Read, M: Coded>(
         let turned: Vec<u64> = reader.array("words of turned paths", Some(now * words))?;
         let turned = Paths::new(turned);
         if (0..now).any(|vertex| !turned.is_of_vertex(vertex, layout.blocks())) {
-            return Err(reader.wrong(format!("a path is turned of a block that is beyond {}", layout.blocks())));
+            return Err(
+                reader.wrong(format!("a path is turned of a block that is beyond the {} of a vertex", layout.blocks()))
+            );
         }
         paths.append(&turned);
         left -= now as u64;

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::bounds::MIRROR_CELLS;
 use super::cases::Cases;
+use super::layout::BlockLayout;
 use super::live::Live;
 use super::lobes::{Lobe, Model, Plan, Sampling};
 use super::products::{Cut, LobeSum, Moments};
@@ -15,8 +16,7 @@ use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
-use super::tiles::GROUP;
-use super::visible::{MOST_PLACES, Visible};
+use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};
 
@@ -32,11 +32,12 @@ pub(super) struct Scratch {
     cases: Cases,
     /// [block]
     cells: Vec<u8>,
-    levels: Vec<[f32; GROUP]>,
+    room: Room,
 }
 
 impl Scratch {
-    pub(super) fn new(blocks: usize) -> Self {
+    pub(super) fn new(layout: &BlockLayout) -> Self {
+        let blocks = layout.blocks();
         Self {
             seen: Vec::with_capacity(TOGETHER),
             wanted: Box::new([false; TOGETHER]),
@@ -45,7 +46,7 @@ impl Scratch {
             live: Vec::with_capacity(blocks),
             cases: Cases::new(blocks),
             cells: vec![0; blocks],
-            levels: vec![[0.0; GROUP]; MOST_PLACES / GROUP],
+            room: Room::new(layout.block_len()),
         }
     }
 }
@@ -167,36 +168,32 @@ impl Frame<'_, '_> {
     fn classify(self, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Relighter { directions, arch, .. } = self.relighter;
         let Scratch { live, cases, cells, .. } = scratch;
-        cases.clear();
         match &lobe.sampling {
-            Sampling::Pixels => live.iter().for_each(|live| cases.push(live, PIXELS)),
+            Sampling::Pixels => cases.set(live, |_| PIXELS),
             Sampling::Fixed(exponent) => {
                 let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
                 let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
                 let limits = &directions.limits[usize::from(sound)];
-                for live in live.iter() {
+                cases.set(live, |live| {
                     let block = live.block as usize;
                     let (cosine, [near, middle]) = (dot(mirror, at(&directions.centres, block)), limits[block]);
-                    let class = fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }];
-                    cases.push(live, class);
-                }
+                    fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }]
+                });
             }
             Sampling::Mirror { bounds, .. } => {
                 arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
-                for live in live.iter() {
+                cases.set(live, |live| {
                     let block = live.block as usize;
-                    let codes = &bounds.cells()[usize::from(cells[block])];
-                    cases.push(live, codes.class(&lobe.checks[block], live.free));
-                }
+                    bounds.cells()[usize::from(cells[block])].class(&lobe.checks[block], live.free)
+                });
             }
             Sampling::Wide { bounds, .. } => {
                 let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
-                for live in live.iter() {
+                cases.set(live, |live| {
                     let block = live.block as usize;
                     let centre = Vector3::from(at(&directions.centres, block)).cast();
-                    let codes = view.codes(narrow(&seen.axes.to_local(&centre)));
-                    cases.push(live, codes.class(&lobe.checks[block], live.free));
-                }
+                    view.codes(narrow(&seen.axes.to_local(&centre))).class(&lobe.checks[block], live.free)
+                });
             }
         }
     }
@@ -263,11 +260,11 @@ struct LobeRun<'r, 'f, 'a> {
 
 impl LobeRun<'_, '_, '_> {
     fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
-        let Scratch { samples, cases, levels, .. } = scratch;
+        let Scratch { samples, cases, room, .. } = scratch;
         let Relighter { light, directions, arch, .. } = self.frame.relighter;
         let first = self.vertex * light.layout().blocks();
         let (normal, cut) = (self.seen.normal, self.cut);
-        arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, levels, cut })
+        arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut })
     }
 }
 

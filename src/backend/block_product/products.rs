@@ -9,7 +9,7 @@ use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};
 use super::tables::Directions;
 use super::tiles::GROUP;
-use super::visible::{GroupBits, MOST_PLACES, Visible};
+use super::visible::{GroupBits, MOST_PLACES, Room, Visible};
 use crate::scene::Kernel;
 
 /// Σ L V ω of a group of vertices.
@@ -64,8 +64,7 @@ pub(super) struct LobeSum<'a, const N: usize, K, V> {
     pub(super) light: &'a LightForms,
     pub(super) directions: &'a Directions,
     pub(super) samples: &'a mut Samples,
-    /// Room for the visibility of a block.
-    pub(super) levels: &'a mut [[f32; GROUP]],
+    pub(super) room: &'a mut Room,
     pub(super) cut: Option<Cut<'a>>,
 }
 
@@ -148,13 +147,13 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
         }
         if !free {
             let path = self.light.tiles().path(course != block);
-            groups = groups.and(self.maps.expand(self.first + block, path, &mut self.levels[..count]));
+            groups = groups.and(self.maps.expand(self.first + block, path, self.room));
         }
         let mut sums = Sums::default();
         while let Some(group) = groups.pop() {
             let mut values = reflect(self.kernel, self.normal, &self.directions.pixels[first + group]);
             if !free {
-                let levels = &self.levels[group];
+                let levels = self.maps.levels(self.room, group);
                 for values in &mut values {
                     for lane in 0..GROUP {
                         values[lane] *= levels[lane];

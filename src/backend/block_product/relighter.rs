@@ -108,7 +108,6 @@ impl<'a> Relighter<'a> {
         let gauge = Gauge::new(layout, light.interpolation());
         let radius = gauge.radius();
         let directions = Directions::new(layout, light.tiles(), light.interpolation());
-        let scratch = Scratch::new(layout.blocks());
         Ok(Self {
             mesh,
             settings,
@@ -116,7 +115,8 @@ impl<'a> Relighter<'a> {
             planner: Planner::new(gauge, settings.rule),
             limits: vec![Limits::default(); layout.blocks()],
             radius,
-            scratch: vec![scratch; pieces()],
+            // Not clones: these would have no room.
+            scratch: (0..pieces()).map(|_| Scratch::new(layout)).collect(),
             needed: Vec::new(),
             scheduled: Scheduled::new(transport),
             live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, transport.paths(), layout.blocks())),

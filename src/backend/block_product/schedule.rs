@@ -143,3 +143,55 @@ fn take<'a, T>(from: &mut &'a [T], count: usize) -> &'a [T] {
     *from = rest;
     first
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compress::BinaryMaps;
+
+    /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with its first half.
+    fn maps(vertices: usize) -> (BinaryMaps<u8>, Paths) {
+        let (mut maps, mut paths) = (BinaryMaps::new(64).unwrap(), Paths::default());
+        for v in 0..vertices {
+            paths.push_vertex(2);
+            if v % 3 == 0 {
+                paths.turn_last(1, 2);
+            }
+            maps.push_bits(&[(0..v % 5).fold(0, |bits, k| bits | 1 << (4 * k + 1))]);
+            maps.push_bits(&[[0, !0, !0 >> 32][v % 3]]);
+        }
+        (maps, paths)
+    }
+
+    #[test]
+    fn every_map_that_is_not_hidden_comes_once_and_those_of_a_batch_are_alike() {
+        for vertices in [0, 1, 255, 256, 257, 700] {
+            let (maps, paths) = maps(vertices);
+            let schedule = Schedule::new(&maps, &paths, vertices, 2);
+            let mut seen = vec![[0; 2]; vertices];
+            for number in 0..vertices.div_ceil(TOGETHER) {
+                let mut group = schedule.group(number);
+                for course in 0..4 {
+                    let (path, block) = (course / 2, course % 2);
+                    let mut before = 0;
+                    for &batch in group.next_course() {
+                        let count = usize::from(batch.changes);
+                        assert!(count > before, "batches of a course rise");
+                        before = count;
+                        let (members, changes) = group.next_maps(batch);
+                        assert_eq!(changes.len(), members.len() * count);
+                        for (&member, changes) in members.iter().zip(changes.chunks_exact(count)) {
+                            let vertex = number * TOGETHER + usize::from(member);
+                            assert_eq!(changes, maps.map(vertex * 2 + block).changes());
+                            assert_eq!(path, paths.of(vertex, block, 2));
+                            seen[vertex][block] += 1;
+                        }
+                    }
+                }
+            }
+            for (v, seen) in seen.into_iter().enumerate() {
+                assert_eq!(seen, [usize::from(v % 5 != 0), usize::from(v % 3 != 0)], "vertex {v} of {vertices}");
+            }
+        }
+    }
+}

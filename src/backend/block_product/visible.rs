@@ -29,6 +29,19 @@ impl GroupBits {
         Self(bits)
     }
 
+    /// Those whose byte is not 0.
+    #[inline(always)]
+    fn of_bytes(words: &[u64]) -> Self {
+        const LOW: u64 = 0x7f7f_7f7f_7f7f_7f7f;
+        let mut bits = 0;
+        for (k, &word) in words.iter().enumerate() {
+            // The highest bit of each byte that is not 0; a product brings the eight together.
+            let highest = (((word & LOW) + LOW) | word) & !LOW;
+            bits |= u128::from((highest >> 7).wrapping_mul(0x0102_0408_1020_4080) >> 56) << (8 * k);
+        }
+        Self(bits)
+    }
+
     #[inline(always)]
     pub(super) fn set(&mut self, group: usize) {
         self.0 |= 1 << group;
@@ -66,6 +79,21 @@ static LANES_OF: [[f32; GROUP]; 256] = {
     lanes
 };
 
+/// Room for the visibility of a block.
+#[derive(Debug, Clone)]
+pub(super) struct Room {
+    /// Slots of a block / 64.
+    words: usize,
+    bits: [u64; MOST_PLACES / 64],
+    levels: Vec<[f32; GROUP]>,
+}
+
+impl Room {
+    pub(super) fn new(block_len: usize) -> Self {
+        Self { words: block_len / 64, bits: [0; MOST_PLACES / 64], levels: vec![[0.0; GROUP]; block_len / GROUP] }
+    }
+}
+
 /// Maps that a product runs through.
 pub(super) trait Visible: Sync {
     /// A change of visibility.
@@ -80,8 +108,10 @@ pub(super) trait Visible: Sync {
     fn add_changes<T: Table>(&self, changes: &[Self::Change], sums: T, sum: &mut T::Sum);
     /// Σ V L of a map, from suffix sums of L.
     fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums;
-    /// Visibility of every slot; `levels` may hold anything where no slot of a group is visible. Returns the groups where one is.
-    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits;
+    /// Puts the visibility of every slot into `room`; returns the groups where some is visible.
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits;
+    /// The visibility of a group of the map that was expanded last.
+    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP];
 }
 
 impl<I: MapIndex> Visible for BinaryMaps<I> {
@@ -127,38 +157,31 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits {
-        let (changes, count) = (self.map(map).changes(), levels.len() / 8);
-        let mut words = [0; MOST_PLACES / 64];
-        match count {
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits {
+        let changes = self.map(map).changes();
+        if room.words == 4 {
             // 16² places: as many bits as a register holds.
-            4 => {
-                let (rows, mut bits) = (path.suffixes.as_chunks::<4>().0, [0; 4]);
-                for change in changes {
-                    let row = &rows[change.place()];
-                    for k in 0..4 {
-                        bits[k] ^= row[k];
-                    }
+            let (rows, mut bits) = (path.suffixes.as_chunks::<4>().0, [0; 4]);
+            for change in changes {
+                let row = &rows[change.place()];
+                for k in 0..4 {
+                    bits[k] ^= row[k];
                 }
-                words[..4].copy_from_slice(&bits);
             }
-            _ => {
-                for change in changes {
-                    let row = &path.suffixes[change.place() * count..][..count];
-                    words.iter_mut().zip(row).for_each(|(word, row)| *word ^= row);
-                }
+            room.bits[..4].copy_from_slice(&bits);
+        } else {
+            room.bits.fill(0);
+            for change in changes {
+                let row = &path.suffixes[change.place() * room.words..][..room.words];
+                room.bits.iter_mut().zip(row).for_each(|(bits, row)| *bits ^= row);
             }
         }
-        let mut groups = GroupBits::default();
-        for (w, (&word, levels)) in words[..count].iter().zip(levels.chunks_exact_mut(8)).enumerate() {
-            for (k, (byte, levels)) in word.to_le_bytes().into_iter().zip(levels).enumerate() {
-                if byte != 0 {
-                    *levels = LANES_OF[usize::from(byte)];
-                    groups.set(w * 8 + k);
-                }
-            }
-        }
-        groups
+        GroupBits::of_bytes(&room.bits[..room.words])
+    }
+
+    #[inline(always)]
+    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP] {
+        &LANES_OF[usize::from((room.bits[group / 8] >> (group % 8 * 8)) as u8)]
     }
 }
 
@@ -213,20 +236,48 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, path: &TilePath, levels: &mut [[f32; GROUP]]) -> GroupBits {
-        levels.fill([0.0; GROUP]);
-        let (map, slots) = (self.map(map), levels.as_flattened_mut());
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits {
+        room.levels.fill([0.0; GROUP]);
+        let (map, slots) = (self.map(map), room.levels.as_flattened_mut());
         let top = f64::from(map.top());
         for (span, level) in map.spans() {
             let level = (f64::from(level) / top) as f32;
             path.slots[span].iter().for_each(|&slot| slots[slot as usize] = level);
         }
         let mut groups = GroupBits::default();
-        for (g, levels) in levels.iter().enumerate() {
+        for (g, levels) in room.levels.iter().enumerate() {
             if *levels != [0.0; GROUP] {
                 groups.set(g);
             }
         }
         groups
+    }
+
+    #[inline(always)]
+    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP] {
+        &room.levels[group]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taken(mut bits: GroupBits) -> Vec<usize> {
+        std::iter::from_fn(|| bits.pop()).collect()
+    }
+
+    #[test]
+    fn groups_are_those_of_bytes_and_entries_that_are_not_0() {
+        let words = [0x0100_0000_ff00_0080_u64, 0, !0, 0x0000_8000_0000_0001];
+        let bytes = words.iter().flat_map(|word| word.to_le_bytes());
+        let expected: Vec<usize> = bytes.enumerate().filter(|&(_, byte)| byte != 0).map(|(k, _)| k).collect();
+        assert_eq!(taken(GroupBits::of_bytes(&words)), expected);
+        let mut entries = [0; 32];
+        expected.iter().for_each(|&k| entries[k] = 1);
+        assert_eq!(taken(GroupBits::of(&entries)), expected);
+        // The largest block has 128 groups.
+        assert_eq!(taken(GroupBits::of_bytes(&[!0; 16])), (0..128).collect::<Vec<_>>());
+        assert_eq!(taken(GroupBits::of(&[1; 128]).and(GroupBits::all(8))), (0..8).collect::<Vec<_>>());
     }
 }
