@@ -39,13 +39,18 @@ struct Stage {
 
 fn stage() -> &'static Stage {
     let model = Procedural::Table.build(VERTICES).expect("a size in range");
-    let grid = CubeGrid::new(64).expect("a side in range");
-    let layout = BlockLayout::new(grid, 16, ScanOrder::Hilbert).expect("16 divides 64");
-    let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("a default is allowed");
-    let transport = Transport::bake(&baker, &layout, &()).expect("nobody cancels");
+    let transport = bake(&model);
+    let grid = transport.layout().grid();
     let light = EnvironmentLight::from_sky(Sky::default()).expect("a default is allowed").to_cube(grid);
     // Jobs live as long as the program.
     Box::leak(Box::new(Stage { model, transport, light }))
+}
+
+fn bake(model: &Model) -> Transport {
+    let grid = CubeGrid::new(64).expect("a side in range");
+    let layout = BlockLayout::new(grid, 16, ScanOrder::Serpentine).expect("16 divides 64");
+    let baker = VisibilityBaker::new(&model.mesh, grid, VisibilitySettings::default()).expect("a default is allowed");
+    Transport::bake(&baker, &layout, &()).expect("nobody cancels")
 }
 
 fn materials(model: &Model, specs: [&str; 5]) -> Materials {
@@ -79,6 +84,18 @@ fn main() {
                 black_box(&mut out);
             });
         }
+    }
+    for spec in ["phong:50", "ggx:0.2"] {
+        let model = Procedural::Table.build(1000).expect("a size in range");
+        let transport = bake(&model);
+        let materials = materials(&model, [spec; 5]);
+        let mut out = vec![Vector3::zeros(); model.mesh.positions().len()];
+        jobs.add(format!("first frame {spec}"), 1, move || {
+            let mut relighter =
+                Relighter::new(&model.mesh, &transport, Settings::default()).expect("one mesh throughout");
+            relighter.set_light(&stage.light).expect("a finite light");
+            relighter.relight(&view, &materials, &mut out).expect("materials of this mesh");
+        });
     }
     jobs.run();
 }

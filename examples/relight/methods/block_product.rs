@@ -72,7 +72,7 @@ pub fn run(stage: &Stage, truth: &[Vector3<f64>]) -> Result<Outcome, Failure> {
 
 /// The transport and the seconds that it took from the mesh.
 fn bake(stage: &Stage) -> Result<(Transport, f64), Failure> {
-    let layout = BlockLayout::new(stage.grid, stage.args.block(), ScanOrder::Hilbert)?;
+    let layout = BlockLayout::new(stage.grid, stage.args.block(), ScanOrder::Serpentine)?;
     let Some(bits) = stage.args.visibility_bits else {
         let bar = Bar::new("block-product: coding");
         let transport = Transport::from_binary(stage.visibility, &layout)?;
