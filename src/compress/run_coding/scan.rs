@@ -66,8 +66,8 @@ impl Scan {
 
     /// The same path turned about the diagonal: down columns where [`new`](Self::new) goes along rows.
     ///
-    /// An edge that is nearly level changes a path along rows in few places, one that is nearly upright a path down columns: of the
-    /// two, the better one has three changes in five of either alone, or of Hilbert's curve (docs/block_product.md).
+    /// An edge that is nearly level changes a path along rows in few places, one that is nearly upright a path down columns: the better
+    /// of two serpentines has half the changes of either, and little more than half of Hilbert's curve's (docs/block_product.md).
     ///
     /// # Errors
     /// As [`new`](Self::new).
