@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::bounds::MIRROR_CELLS;
 use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::live::Live;
@@ -16,6 +15,7 @@ use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
+use super::tiles::GROUP;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};
@@ -30,8 +30,8 @@ pub(super) struct Scratch {
     samples: Samples,
     live: Vec<Live>,
     cases: Cases,
-    /// [block]
-    cells: Vec<u8>,
+    /// A bit a block: those that may need samples.
+    near: Vec<u64>,
     room: Room,
 }
 
@@ -45,7 +45,7 @@ impl Scratch {
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
             cases: Cases::new(blocks),
-            cells: vec![0; blocks],
+            near: vec![!0; blocks.div_ceil(64)],
             room: Room::new(layout.block_len()),
         }
     }
@@ -156,18 +156,24 @@ impl Frame<'_, '_> {
             return sum;
         }
         let facing = self.facing(vertex, seen);
-        self.relighter.live.list(vertex, &mut scratch.live);
         for lobe in &plan.lobes {
-            self.classify(lobe, &facing, scratch);
+            self.classify(vertex, lobe, &facing, scratch);
             sum += self.lobe(maps, vertex, lobe, &facing, scratch).component_mul(&lobe.factor);
         }
         sum
     }
 
     /// The case of each live block.
-    fn classify(self, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
+    fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Relighter { directions, arch, .. } = self.relighter;
-        let Scratch { live, cases, cells, .. } = scratch;
+        let Scratch { live, cases, near, .. } = scratch;
+        match &lobe.sampling {
+            Sampling::Mirror { .. } => {
+                arch.dispatch(Near { mirror: seen.mirror(), centres: &directions.centres, reach: &lobe.reach, near })
+            }
+            _ => near.fill(!0),
+        }
+        self.relighter.live.list(vertex, near, live);
         match &lobe.sampling {
             Sampling::Pixels => cases.set(live, |_| PIXELS),
             Sampling::Fixed(exponent) => {
@@ -181,10 +187,11 @@ impl Frame<'_, '_> {
                 });
             }
             Sampling::Mirror { bounds, .. } => {
-                arch.dispatch(MirrorCells { mirror: seen.mirror(), centres: &directions.centres, cells });
+                let mirror = seen.mirror();
                 cases.set(live, |live| {
                     let block = live.block as usize;
-                    bounds.cells()[usize::from(cells[block])].class(&lobe.checks[block], live.free)
+                    let codes = bounds.codes(dot(mirror, at(&directions.centres, block)));
+                    codes.class(&lobe.checks[block], live.free)
                 });
             }
             Sampling::Wide { bounds, .. } => {
@@ -233,10 +240,9 @@ impl Frame<'_, '_> {
         for vertex in 0..self.relighter.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
             let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
-            self.relighter.live.list(vertex, &mut scratch.live);
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
             for lobe in &plan.lobes {
-                self.classify(lobe, &seen, scratch);
+                self.classify(vertex, lobe, &seen, scratch);
                 for (course, class) in scratch.cases.classes() {
                     let most = &mut most[course % blocks];
                     *most = class.max(*most);
@@ -293,22 +299,36 @@ fn one_block(state: MapState, class: u8) -> FrameStats {
     stats
 }
 
-/// The cell of each block in a table over the angle to the mirror direction.
-struct MirrorCells<'a> {
+/// The blocks whose centres are near enough to the mirror direction, a bit each.
+struct Near<'a> {
     mirror: [f32; 3],
     centres: &'a [Vec<f32>; 3],
-    cells: &'a mut [u8],
+    /// [block]: the least cosine.
+    reach: &'a [f32],
+    near: &'a mut [u64],
 }
 
-impl pulp::WithSimd for MirrorCells<'_> {
+impl pulp::WithSimd for Near<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let [x, y, z] = self.centres;
-        for (((&x, &y), &z), cell) in x.iter().zip(y).zip(z).zip(self.cells) {
-            let half_sine = (0.5 - 0.5 * dot(self.mirror, [x, y, z])).max(0.0).sqrt();
-            *cell = (half_sine * MIRROR_CELLS as f32).min(MIRROR_CELLS as f32 - 1.0) as i32 as u8;
+        self.near.fill(0);
+        let [x, y, z] = self.centres.each_ref().map(|plane| plane.as_chunks::<GROUP>());
+        let (reach, rest) = self.reach.as_chunks::<GROUP>();
+        for (k, (((x, y), z), reach)) in x.0.iter().zip(y.0).zip(z.0).zip(reach).enumerate() {
+            let mut bits = [0_u32; GROUP];
+            for lane in 0..GROUP {
+                let cosine = dot(self.mirror, [x[lane], y[lane], z[lane]]);
+                bits[lane] = u32::from(cosine >= reach[lane]) << lane;
+            }
+            let byte = bits.iter().fold(0, |byte, bit| byte | bit);
+            self.near[k / 8] |= u64::from(byte) << (k % 8 * 8);
+        }
+        let first = self.reach.len() - rest.len();
+        for (lane, &reach) in rest.iter().enumerate() {
+            let cosine = dot(self.mirror, [x.1[lane], y.1[lane], z.1[lane]]);
+            self.near[first / 64] |= u64::from(cosine >= reach) << ((first + lane) % 64);
         }
     }
 }

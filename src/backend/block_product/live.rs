@@ -45,11 +45,13 @@ impl LiveBlocks {
         size_of_val(&self.bits[..])
     }
 
-    /// Lists those of a vertex in order.
+    /// Lists those of a vertex in order, of the blocks whose bit is set in `among`.
     #[inline]
-    pub(super) fn list(&self, vertex: usize, list: &mut Vec<Live>) {
+    pub(super) fn list(&self, vertex: usize, among: &[u64], list: &mut Vec<Live>) {
         list.clear();
-        for (word, &[mut some, all, turned]) in self.bits[vertex * self.words..][..self.words].iter().enumerate() {
+        let words = self.bits[vertex * self.words..][..self.words].iter().zip(among);
+        for (word, (&[some, all, turned], among)) in words.enumerate() {
+            let mut some = some & among;
             while some != 0 {
                 let bit = some.trailing_zeros();
                 some &= some - 1;

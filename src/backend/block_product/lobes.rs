@@ -25,14 +25,16 @@ pub(super) struct Lobe {
     pub(super) model: Model,
     pub(super) factor: Vector3<f64>,
     pub(super) sampling: Sampling,
-    /// [block]: the errors that the light allows, and the least cosine to the mirror direction of a group of places that counts.
+    /// [block]: the errors that the light allows.
     pub(super) checks: Vec<Checks>,
+    /// [block]: the least cosines to the mirror direction of a block and of a group of places that count; for Phong.
+    pub(super) reach: Vec<f32>,
     pub(super) least: Vec<f32>,
 }
 
 impl Lobe {
     fn new(model: Model, factor: Vector3<f64>, sampling: Sampling) -> Self {
-        Self { model, factor, sampling, checks: Vec::new(), least: Vec::new() }
+        Self { model, factor, sampling, checks: Vec::new(), reach: Vec::new(), least: Vec::new() }
     }
 
     /// Sets what depends on the light.
@@ -40,12 +42,14 @@ impl Lobe {
         let (Sampling::Mirror { offset, .. } | Sampling::Wide { offset, .. }) = self.sampling else { return };
         self.checks.clear();
         self.checks.extend(limits.iter().map(|limits| limits.checks(offset)));
-        let Sampling::Mirror { exponent, .. } = self.sampling else { return };
+        let Sampling::Mirror { bounds, exponent, .. } = &self.sampling else { return };
+        self.reach.clear();
+        self.reach.extend(self.checks.iter().map(|checks| bounds.reach(checks)));
         let factor = self.factor.max();
         self.least.clear();
         self.least.extend(limits.iter().map(|limits| {
             // For all of a group.
-            let angle = limits.least_cosine(factor, exponent, radii.pixel).acos() + radii.group;
+            let angle = limits.least_cosine(factor, *exponent, radii.pixel).acos() + radii.group;
             if angle < std::f64::consts::PI { angle.cos() as f32 } else { -1.0 }
         }));
     }

@@ -3,17 +3,19 @@
 use nalgebra::Vector3;
 
 use super::each;
-use super::errors::{Codes, Errors};
+use super::errors::{Checks, Codes, Errors};
 use super::gauge::Gauge;
 
 /// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
 #[derive(Debug, Clone)]
 pub(in crate::backend::block_product) struct MirrorBounds {
     cells: Vec<Codes>,
+    /// [cell]: the largest errors of no sample from there on outwards.
+    beyond: Vec<Codes>,
 }
 
 /// Cells of a [`MirrorBounds`].
-pub(in crate::backend::block_product) const MIRROR_CELLS: usize = 128;
+const MIRROR_CELLS: usize = 128;
 
 impl MirrorBounds {
     /// Errors of max(cos, 0)^n at the edges of the cells.
@@ -43,10 +45,29 @@ impl MirrorBounds {
     /// The worse of two exponents' errors, and of a cell's two edges.
     pub(in crate::backend::block_product) fn between(low: &[Errors], high: &[Errors]) -> Self {
         let both = |i: usize| low[i].worst(high[i]);
-        Self { cells: (0..MIRROR_CELLS).map(|i| Codes::new(both(i).worst(both(i + 1)))).collect() }
+        let cells: Vec<Codes> = (0..MIRROR_CELLS).map(|i| Codes::new(both(i).worst(both(i + 1)))).collect();
+        let mut beyond = cells.clone();
+        for i in (1..MIRROR_CELLS).rev() {
+            beyond[i - 1] = beyond[i - 1].worse(beyond[i]);
+        }
+        Self { cells, beyond }
     }
 
-    pub(in crate::backend::block_product) fn cells(&self) -> &[Codes] {
-        &self.cells
+    /// The errors of a block whose centre has this cosine to the mirror direction.
+    #[inline(always)]
+    pub(in crate::backend::block_product) fn codes(&self, cosine: f32) -> &Codes {
+        let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
+        &self.cells[((half_sine * MIRROR_CELLS as f32) as usize).min(MIRROR_CELLS - 1)]
+    }
+
+    /// A cosine to the mirror direction below which blocks need no sample; above 1 if none does.
+    pub(in crate::backend::block_product) fn reach(&self, checks: &Checks) -> f32 {
+        let is_free_of = |codes: &Codes| codes.class(checks, true) == 0 && codes.class(checks, false) == 0;
+        match self.beyond.partition_point(|codes| !is_free_of(codes)) {
+            0 => 2.0,
+            MIRROR_CELLS => -2.0,
+            // The inner edge of the first cell without, and what the cosine's rounding can be off.
+            cell => 1.0 - 2.0 * (cell as f32 / MIRROR_CELLS as f32).powi(2) - 1e-6,
+        }
     }
 }

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
-pub(super) use mirror::{MIRROR_CELLS, MirrorBounds};
+pub(super) use mirror::MirrorBounds;
 pub(super) use wide::WideBounds;
 
 /// Runs `one` for 0…count, in parallel.
