@@ -16,7 +16,7 @@
 //! |---|---|
 //! | [`BlockLayout`] | how a cube map is cut |
 //! | [`Transport`] | visibility of a static scene, baked once, saved and loaded |
-//! | [`LightForms`] | a light in the forms that the products read, a few hundred microseconds a frame |
+//! | [`LightForms`] | a light in the forms that the products read, a millisecond or two for a new one |
 //! | [`Relighter`] | frames |
 //! | [`Rule`], [`Basis`] | how many samples, and what lies between them |
 

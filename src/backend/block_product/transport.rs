@@ -18,7 +18,8 @@ use crate::{Error, Progress, Result};
 /// [Inger 2013, §4.2]. Lossless for binary maps.
 ///
 /// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two for
-/// blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its changes end.
+/// blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its changes end
+/// and a bit for its path, that of the layout's two along which it changes less often.
 /// It knows neither light, nor view, nor materials.
 ///
 /// # Example

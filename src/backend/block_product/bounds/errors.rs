@@ -91,7 +91,8 @@ impl Check {
 
     /// An error of 0 is always allowed, one of [`NEVER`] never.
     fn new(limit: f32) -> Self {
-        Self(limit.clamp(0.0, f32::from(NEVER) - 1.0) as u64 * 0x0001_0001_0001_0001 | Self::HIGHEST)
+        let limit = limit.clamp(0.0, f32::from(NEVER) - 1.0) as u64;
+        Self((limit * 0x0001_0001_0001_0001) | Self::HIGHEST)
     }
 
     /// Leaves the highest of sixteen bits where a code is not above the limit; no difference borrows from the next.
