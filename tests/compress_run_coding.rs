@@ -332,9 +332,17 @@ proptest! {
             (prop::sample::select(vec![ScanOrder::RowMajor, ScanOrder::Serpentine]), 1usize..20, 1usize..20),
             (0u32..6).prop_map(|levels| (ScanOrder::Hilbert, 1 << levels, 1 << levels)),
         ],
+        turned in any::<bool>(),
         seed in any::<u64>(),
     ) {
-        let scan = Scan::new(order, width, height).unwrap();
+        let scan = if turned { Scan::turned(order, width, height) } else { Scan::new(order, width, height) }.unwrap();
+        if turned {
+            // Columns for rows: the path through the image on its side.
+            let along = Scan::new(order, height, width).unwrap();
+            let sideways = |p: u32| (p as usize % height, p as usize / height);
+            let upright = |p: u32| (p as usize / width, p as usize % width);
+            prop_assert!(along.pixels().iter().map(|&p| sideways(p)).eq(scan.pixels().iter().map(|&p| upright(p))));
+        }
         let mut seen = vec![false; width * height];
         scan.pixels().iter().for_each(|&p| seen[p as usize] = true);
         prop_assert!(seen.iter().all(|&s| s) && scan.pixels().len() == seen.len());
@@ -433,7 +441,7 @@ fn impossible_maps_are_refused() {
         (ScanOrder::Hilbert, 12, 12),
         (ScanOrder::Hilbert, 8, 16),
     ] {
-        assert!(Scan::new(order, width, height).is_err());
+        assert!(Scan::new(order, width, height).is_err() && Scan::turned(order, width, height).is_err());
     }
     let mut gray = GrayMaps::<u8>::with_bits(3, 8).unwrap();
     gray.push_values(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
