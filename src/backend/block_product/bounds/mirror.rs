@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::each;
 use super::errors::{Checks, Codes, Errors};
 use super::gauge::Gauge;
+use super::{cell_of, each, half_sine};
 
 /// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
 #[derive(Debug, Clone)]
@@ -56,8 +56,7 @@ impl MirrorBounds {
     /// The errors of a block whose centre has this cosine to the mirror direction.
     #[inline(always)]
     pub(in crate::backend::block_product) fn codes(&self, cosine: f32) -> &Codes {
-        let half_sine = (0.5 - 0.5 * cosine).max(0.0).sqrt();
-        &self.cells[((half_sine * MIRROR_CELLS as f32) as usize).min(MIRROR_CELLS - 1)]
+        &self.cells[cell_of(half_sine(cosine), MIRROR_CELLS)]
     }
 
     /// A cosine to the mirror direction below which blocks need no sample; above 1 if none does.

@@ -31,3 +31,15 @@ fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors
     #[cfg(not(feature = "rayon"))]
     return (0..count).map(one).collect();
 }
+
+/// The cell of a number in [0, 1], of `count` equal ones.
+#[inline(always)]
+fn cell_of(at: f32, count: usize) -> usize {
+    ((at * count as f32) as usize).min(count - 1)
+}
+
+/// sin(θ/2) from cos θ.
+#[inline(always)]
+fn half_sine(cosine: f32) -> f32 {
+    (0.5 - 0.5 * cosine).max(0.0).sqrt()
+}

@@ -2,9 +2,9 @@
 
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use super::each;
 use super::errors::{Codes, Errors};
 use super::gauge::Gauge;
+use super::{cell_of, each, half_sine};
 use crate::scene::Brdf;
 
 /// Errors for other lobes.
@@ -158,17 +158,6 @@ impl WideView<'_> {
         let turn = if self.isotropic { 0.5 * diamond(x, y.abs()) } else { 0.25 * diamond(x, y) };
         &self.cells[elevation * self.counts[1] + cell_of(turn, self.counts[1])]
     }
-}
-
-#[inline(always)]
-fn cell_of(at: f32, count: usize) -> usize {
-    ((at * count as f32) as usize).min(count - 1)
-}
-
-/// sin(θ/2) from cos θ.
-#[inline(always)]
-fn half_sine(cosine: f32) -> f32 {
-    (0.5 - 0.5 * cosine).max(0.0).sqrt()
 }
 
 /// A number in [0, 4) that grows with the azimuth of (x, y), without trigonometry: the way round a square. 0 for the centre.
