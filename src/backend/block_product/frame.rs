@@ -71,6 +71,8 @@ struct Facing {
     axes: Axes,
     wo: Vector3<f64>,
     normal: [f32; 3],
+    /// The direction to the viewer, mirrored.
+    mirror: [f32; 3],
 }
 
 impl Frame<'_, '_> {
@@ -142,7 +144,9 @@ impl Frame<'_, '_> {
 
     fn facing(self, vertex: usize, seen: &Seen) -> Facing {
         let axes = Axes::new(&self.relighter.mesh.frame(vertex));
-        Facing { axes, wo: seen.wo, normal: narrow(&seen.normal) }
+        let local = axes.to_local(&seen.wo);
+        let mirror = narrow(&axes.to_world(&Vector3::new(-local.x, -local.y, local.z)));
+        Facing { axes, wo: seen.wo, normal: narrow(&seen.normal), mirror }
     }
 
     /// The radiance of number `i` of a group.
@@ -169,7 +173,7 @@ impl Frame<'_, '_> {
         let Scratch { live, cases, near, .. } = scratch;
         match &lobe.sampling {
             Sampling::Mirror { .. } => {
-                arch.dispatch(Near { mirror: seen.mirror(), centres: &directions.centres, reach: &lobe.reach, near })
+                arch.dispatch(Near { mirror: seen.mirror, centres: &directions.centres, reach: &lobe.reach, near })
             }
             _ => near.fill(!0),
         }
@@ -177,20 +181,19 @@ impl Frame<'_, '_> {
         match &lobe.sampling {
             Sampling::Pixels => cases.set(live, |_| PIXELS),
             Sampling::Fixed(exponent) => {
-                let (mirror, fixed) = (seen.mirror(), fixed(*exponent));
+                let fixed = fixed(*exponent);
                 let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
                 let limits = &directions.limits[usize::from(sound)];
                 cases.set(live, |live| {
                     let block = live.block as usize;
-                    let (cosine, [near, middle]) = (dot(mirror, at(&directions.centres, block)), limits[block]);
+                    let (cosine, [near, middle]) = (dot(seen.mirror, at(&directions.centres, block)), limits[block]);
                     fixed[if cosine > near { 0 } else { 1 + usize::from(cosine <= middle) }]
                 });
             }
             Sampling::Mirror { bounds, .. } => {
-                let mirror = seen.mirror();
                 cases.set(live, |live| {
                     let block = live.block as usize;
-                    let codes = bounds.codes(dot(mirror, at(&directions.centres, block)));
+                    let codes = bounds.codes(dot(seen.mirror, at(&directions.centres, block)));
                     codes.class(&lobe.checks[block], live.free)
                 });
             }
@@ -215,7 +218,7 @@ impl Frame<'_, '_> {
     ) -> Vector3<f64> {
         let (axes, wo) = (&seen.axes, &seen.wo);
         let is_cut = matches!(lobe.sampling, Sampling::Mirror { .. });
-        let cut = is_cut.then(|| Cut { mirror: seen.mirror(), least: &lobe.least });
+        let cut = is_cut.then(|| Cut { mirror: seen.mirror, least: &lobe.least });
         let run = LobeRun { frame: self, vertex, seen, cut };
         let sum = match &lobe.model {
             Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
@@ -271,14 +274,6 @@ impl LobeRun<'_, '_, '_> {
         let first = self.vertex * light.layout().blocks();
         let (normal, cut) = (self.seen.normal, self.cut);
         arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut })
-    }
-}
-
-impl Facing {
-    /// The direction to the viewer, mirrored.
-    fn mirror(&self) -> [f32; 3] {
-        let local = self.axes.to_local(&self.wo);
-        narrow(&self.axes.to_world(&Vector3::new(-local.x, -local.y, local.z)))
     }
 }
 
