@@ -143,6 +143,7 @@ pub(super) struct GrayCutter {
     directions: Vec<Vector3<f64>>,
     /// Level of each count.
     levels: Vec<u8>,
+    rows: Vec<u8>,
     along: [Vec<u8>; 2],
 }
 
@@ -154,6 +155,7 @@ impl GrayCutter {
         Self {
             directions: layout.grid().directions().into_iter().map(|d| d.into_inner()).collect(),
             levels: (0..=most).map(level).collect(),
+            rows: vec![0; layout.block_len()],
             along: [vec![0; layout.block_len()], vec![0; layout.block_len()]],
             layout: layout.clone(),
         }
@@ -165,12 +167,13 @@ impl GrayCutter {
         let blocks = self.layout.blocks();
         to.paths.push_vertex(blocks);
         for block in 0..blocks {
-            for (path, along) in self.along.iter_mut().enumerate() {
-                for (level, &texel) in along.iter_mut().zip(self.layout.texels(path, block)) {
-                    let count = counts[texel as usize];
-                    let above = count != 0 && normal.dot(&self.directions[texel as usize]) > 0.0;
-                    *level = if above { self.levels[usize::from(count)] } else { 0 };
-                }
+            for (pixel, level) in self.rows.iter_mut().enumerate() {
+                let texel = self.layout.texel(block, pixel);
+                let above = counts[texel] != 0 && normal.dot(&self.directions[texel]) > 0.0;
+                *level = if above { self.levels[usize::from(counts[texel])] } else { 0 };
+            }
+            for (scan, along) in self.layout.scans().iter().zip(&mut self.along) {
+                scan.apply(&self.rows, along);
             }
             let [first, turned] = self.along.each_ref().map(|along| level_changes(along));
             if turned < first {

@@ -92,17 +92,12 @@ impl BlockLayout {
     #[inline]
     pub fn texels(&self, path: usize, block: usize) -> &[u32] {
         assert!(path < 2 && block < self.blocks(), "block {block} along path {path} of {} blocks", self.blocks());
-        self.course(path * self.blocks() + block)
+        &self.texels[(path * self.blocks() + block) * self.block_len()..][..self.block_len()]
     }
 
     /// The flat texel of a pixel of a block, row after row.
     pub(super) fn texel(&self, block: usize, pixel: usize) -> usize {
         texel(self.grid, self.side, block, pixel)
-    }
-
-    /// The flat texel of each place of a course.
-    pub(super) fn course(&self, course: usize) -> &[u32] {
-        &self.texels[course * self.block_len()..][..self.block_len()]
     }
 
     /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole numbers.
