@@ -37,8 +37,10 @@ pub fn block_table(run: &Run) -> Option<String> {
         (format!("samples of BRDF: 1 / 4 / 16 / {all}, %"), list(blocks.frame.samples_percent())),
         ("coefficients a partly hidden block".to_owned(), format!("{:.1}", stats.coded.mean_changes_of_mixed())),
         (
-            "bytes a vertex: memory / file".to_owned(),
-            format!("{:.0} / {:.0}", a_vertex(stats.coded.bytes_in_memory), a_vertex(stats.coded.bytes_in_file)),
+            "bytes a vertex: memory / file / relighter".to_owned(),
+            [stats.coded.bytes_in_memory, stats.coded.bytes_in_file, blocks.relighter_bytes]
+                .map(|bytes| format!("{:.0}", a_vertex(bytes)))
+                .join(" / "),
         ),
         ("first frame, with the materials' tables, ms".to_owned(), format!("{:.1}", blocks.first_ms)),
         ("million vertices a second".to_owned(), format!("{:.3}", rate(stats.vertices, outcome.relight_ms) / 1e6)),

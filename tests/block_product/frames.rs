@@ -280,3 +280,16 @@ fn any_number_of_threads_gives_the_same_bits() {
     pool.install(|| relighter.relight(&view, &materials, &mut out)).unwrap();
     assert_eq!(out, one[2]);
 }
+
+/// A byte a change and a vertex of each map that is not hidden, four a batch of maps, which are at most as many; counts and places of
+/// the two courses of a block in each group of 256 vertices; three words of bits a vertex.
+#[test]
+fn bytes_are_of_what_is_held_once_more() {
+    let mesh = soup(200);
+    let transport = transport(&mesh, 32, 16);
+    let relighter = Relighter::new(&mesh, &transport, Settings::default()).unwrap();
+    let (coded, groups) = (transport.stats().coded, 3);
+    let live = coded.maps - coded.all_zero;
+    let least = coded.changes + live + groups * 2 * 24 * 2 + (groups + 1) * 24 + 600 * 24;
+    assert!((least..=least + 4 * live).contains(&relighter.bytes()), "{} of {least} and up", relighter.bytes());
+}

@@ -27,6 +27,8 @@ pub struct Blocks {
     pub frame: FrameStats,
     /// Milliseconds of the first frame, which also makes the materials' tables.
     pub first_ms: f64,
+    /// What the relighter holds beside the transport.
+    pub relighter_bytes: usize,
     /// Milliseconds of a frame pixel by pixel; None if that is the method itself.
     pub baseline_ms: Option<f64>,
 }
@@ -56,6 +58,7 @@ pub fn run(stage: &Stage, truth: &[Vector3<f64>]) -> Result<Outcome, Failure> {
         transport: stats,
         frame,
         first_ms: frames.first_ms,
+        relighter_bytes: relighter.bytes(),
         baseline_ms,
     };
     Ok(Outcome {
