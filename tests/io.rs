@@ -164,9 +164,9 @@ fn obj_messages() {
     golden(obj(three), "a.obj: no faces; a mesh needs triangles");
     golden(obj("v 0 0\n"), "a.obj, line 1: a vertex has 2 of 3 numbers");
     golden(obj("v 0 0 0\nv 0 1,5 0\n"), "a.obj, line 2: \"1,5\" is not a number");
-    golden(obj("v 0 0 nan\n"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
-    golden(obj("v 0 0 -inf\n"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
-    golden(obj("v 0 0 1e39\n"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
+    golden(obj("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
+    golden(obj("v 0 0 -inf\nv 1 0 0\nv 0 1 0\nf 1 2 3"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
+    golden(obj("v 0 0 1e39\nv 1 0 0\nv 0 1 0\nf 1 2 3"), "a.obj, line 1: the vertex is NaN, infinite or beyond f32");
     golden(obj(&format!("{three}f 1 2 0")), "a.obj, line 4: vertex index 0; indices start at 1");
     golden(obj(&format!("{three}f 1 2 4")), "a.obj, line 4: vertex index 4 is out of range; the file has 3");
     golden(obj(&format!("{three}f 1 2 -4")), "a.obj, line 4: vertex index -4 is out of range; there are 3 so far");

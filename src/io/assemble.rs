@@ -2,15 +2,18 @@
 
 use nalgebra::Vector3;
 
+use super::origin::{self, repeats};
 use super::{Loaded, Report};
 use crate::Result;
 use crate::scene::Mesh;
 
-/// Triangles as a file gives them. Indices are in range and positions finite: the readers check that, where they
-/// still know the place.
+/// Triangles as a file gives them. Indices are in range: the readers check that, where they still know the place.
 #[derive(Debug, Default)]
 pub(super) struct Soup {
-    pub(super) positions: Vec<Vector3<f32>>,
+    /// Grown by [`push_position`](Self::push_position).
+    pub(super) positions: Vec<Vector3<f64>>,
+    /// The vertices that are NaN, infinite or beyond `f32`, and their places: an error only where a face uses one.
+    unusable: Vec<(u32, String)>,
     /// One a position if the file has any; zero where it has none for that vertex.
     pub(super) normals: Option<Vec<Vector3<f32>>>,
     pub(super) faces: Vec<[u32; 3]>,
@@ -49,6 +52,15 @@ pub(super) fn plural(n: usize, one: &str, many: &str) -> String {
 }
 
 impl Soup {
+    /// Appends a vertex; `place` is for the message if it turns out that it cannot be used.
+    pub(super) fn push_position(&mut self, position: Vector3<f64>, place: impl FnOnce() -> String) {
+        if !position.iter().all(|&c| (c as f32).is_finite()) {
+            // More vertices than this are refused later.
+            self.unusable.push((self.positions.len() as u32, place()));
+        }
+        self.positions.push(position);
+    }
+
     /// Appends a polygon as a fan around its first corner. Fewer than three corners add nothing.
     pub(super) fn push_polygon(&mut self, corners: &[u32], place: impl FnOnce() -> String) {
         if corners.len() < 3 {
@@ -62,7 +74,7 @@ impl Soup {
 
     /// Repairs, warns and builds.
     ///
-    /// Faces without area and vertices without a face are dropped, normals that are zero or not finite are computed
+    /// Coordinates are rounded to `f32`, far from zero after an origin has been taken off. Faces without area and vertices without a face are dropped, normals that are zero or not finite are computed
     /// from the faces, and normals are scaled to unit length.
     pub(super) fn into_mesh(mut self, mut report: Report) -> Result<Loaded<Mesh>> {
         std::mem::take(&mut self.slivers)
@@ -76,6 +88,57 @@ impl Soup {
         if u32::try_from(self.positions.len()).is_err() {
             return Err(report.error("", format!("{} vertices; at most 2^32 − 1 can be indexed", self.positions.len())));
         }
+        self.check_finite(&report)?;
+        let origin = origin::choose(&self.positions, &self.faces, &mut report);
+        let solid = self.round(&origin, &report)?;
+        solid.into_mesh(report)
+    }
+
+    /// The vertices that faces use are finite.
+    fn check_finite(&self, report: &Report) -> Result<()> {
+        let used = self.used();
+        let finite = |i: u32| self.positions[i as usize].iter().all(|c| c.is_finite());
+        match self.unusable.iter().find(|(i, _)| used[*i as usize] && !finite(*i)) {
+            Some((_, place)) => Err(report.error(&**place, UNUSABLE)),
+            None => Ok(()),
+        }
+    }
+
+    /// Which vertices have a face that does not name a vertex twice.
+    fn used(&self) -> Vec<bool> {
+        let mut used = vec![false; self.positions.len()];
+        let faces = self.faces.iter().filter(|f| !repeats(f));
+        faces.flatten().for_each(|&i| used[i as usize] = true);
+        used
+    }
+
+    /// The same in `f32`, relative to an origin.
+    fn round(self, origin: &Vector3<f64>, report: &Report) -> Result<Rounded> {
+        let positions: Vec<Vector3<f32>> = self.positions.iter().map(|p| (p - origin).cast()).collect();
+        let used = self.used();
+        let beyond = |i: usize| used[i] && !positions[i].iter().all(|c| c.is_finite());
+        if let Some(i) = (0..positions.len()).find(|&i| beyond(i)) {
+            let place = self.unusable.iter().find(|(u, _)| *u as usize == i).map_or("", |(_, place)| place);
+            return Err(report.error(place, UNUSABLE));
+        }
+        Ok(Rounded { positions, normals: self.normals, faces: self.faces, fans: self.fans, origin: *origin })
+    }
+}
+
+const UNUSABLE: &str = "the vertex is NaN, infinite or beyond f32";
+
+/// What [`Soup`] becomes when its positions are those of the mesh.
+#[derive(Debug)]
+struct Rounded {
+    positions: Vec<Vector3<f32>>,
+    normals: Option<Vec<Vector3<f32>>>,
+    faces: Vec<[u32; 3]>,
+    fans: Vec<(usize, usize)>,
+    origin: Vector3<f64>,
+}
+
+impl Rounded {
+    fn into_mesh(mut self, mut report: Report) -> Result<Loaded<Mesh>> {
         self.warn_of_concave_polygons(&mut report);
         self.drop_degenerate_faces(&mut report)?;
         self.drop_unreferenced_vertices(&mut report);
@@ -85,6 +148,7 @@ impl Soup {
             Some(normals) => Mesh::with_normals(self.positions, normals, self.faces),
             None => Mesh::new(self.positions, self.faces),
         }
+        .and_then(|mesh| mesh.with_origin(self.origin))
         .map_err(failed)?;
         Ok(report.loaded(mesh))
     }
@@ -117,7 +181,7 @@ impl Soup {
         let mut dropped = Count::default();
         let kept: Vec<bool> = (self.faces.iter().enumerate())
             .map(|(i, face)| {
-                let flat = self.area(face) == Vector3::zeros();
+                let flat = repeats(face) || self.area(face) == Vector3::zeros();
                 if flat {
                     dropped.add(|| format!("triangle {i}"));
                 }

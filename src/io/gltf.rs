@@ -399,13 +399,7 @@ impl Reader<'_> {
         let linear: Matrix3<f64> = transform.fixed_view::<3, 3>(0, 0).into_owned();
         let shift: Vector3<f64> = transform.fixed_view::<3, 1>(0, 3).into_owned();
         for i in 0..positions.count {
-            let p: Vector3<f32> = (linear * positions.vector(i) + shift).cast();
-            if !p.iter().all(|c| c.is_finite()) {
-                return Err(self
-                    .report
-                    .error(at(&format!("POSITION {i}")), "the vertex is NaN, infinite or beyond f32"));
-            }
-            self.soup.positions.push(p);
+            self.soup.push_position(linear * positions.vector(i) + shift, || at(&format!("POSITION {i}")));
         }
         // Normals transform with the cofactors, det(M) · M⁻ᵀ, which need no inverse; the sign of a mirroring is
         // taken out again, since the triangles are turned round.

@@ -41,6 +41,7 @@ mod gltf;
 mod hdr;
 mod image;
 mod obj;
+mod origin;
 mod ply;
 mod ply_out;
 mod png;

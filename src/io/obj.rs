@@ -19,6 +19,9 @@ use crate::{Error, Result};
 /// else is skipped: texture coordinates, groups, materials, lines, points, curves. Lines may end in LF, CRLF or CR,
 /// be continued with a backslash and be of any length.
 ///
+/// Coordinates are read in `f64`. Where rounding them to `f32` would cost shape, as far from zero, an origin is taken off
+/// first, with a warning: [`Mesh::origin`].
+///
 /// Polygons are cut as fans around their first corner; a concave one gives overlapping triangles and a warning.
 /// A position keeps its place in the vertex list. Where faces give it several different normals, further vertices are
 /// appended for them (equal normals under different indices do not split). Corners without a normal get the
@@ -121,14 +124,12 @@ impl Reader {
             None => {}
             Some(b"v") => {
                 let position = self.vector(words, "a vertex")?;
-                if !position.iter().all(|c| c.is_finite()) {
-                    return Err(self.error("the vertex is NaN, infinite or beyond f32"));
-                }
-                self.soup.positions.push(position);
+                let line = self.line;
+                self.soup.push_position(position, || format!("line {line}"));
             }
             Some(b"vn") => {
                 let normal = self.vector(words, "a normal")?;
-                self.normals.push(normal);
+                self.normals.push(normal.cast());
             }
             // `fo` is the old spelling of `f`.
             Some(b"f" | b"fo") => self.face(words)?,
@@ -141,7 +142,7 @@ impl Reader {
         Ok(())
     }
 
-    fn vector<'a>(&self, mut words: impl Iterator<Item = &'a [u8]>, what: &str) -> Result<Vector3<f32>> {
+    fn vector<'a>(&self, mut words: impl Iterator<Item = &'a [u8]>, what: &str) -> Result<Vector3<f64>> {
         let mut out = Vector3::zeros();
         for i in 0..3 {
             let word = words.next().ok_or_else(|| self.error(format!("{what} has {i} of 3 numbers")))?;

@@ -315,13 +315,9 @@ fn read_elements<B: Body>(header: &Header, body: &mut B, soup: &mut Soup, report
             let error = |body: &B, reason: String| report.error(body.place(element, index), reason);
             row.read(element, index, body, soup).map_err(|reason| error(body, reason))?;
             if is_vertex {
-                let [x, y, z, nx, ny, nz] = row.coordinates.map(|c| c as f32);
-                let position = Vector3::new(x, y, z);
-                if !position.iter().all(|c| c.is_finite()) {
-                    return Err(error(body, "the vertex is NaN, infinite or beyond f32".into()));
-                }
-                soup.positions.push(position);
-                soup.normals.iter_mut().for_each(|n| n.push(Vector3::new(nx, ny, nz)));
+                let [x, y, z, nx, ny, nz] = row.coordinates;
+                soup.push_position(Vector3::new(x, y, z), || body.place(element, index));
+                soup.normals.iter_mut().for_each(|n| n.push(Vector3::new(nx, ny, nz).cast()));
             }
         }
     }

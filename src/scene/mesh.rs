@@ -48,12 +48,17 @@ impl Frame {
 /// Every position is finite, every normal and tangent is a unit vector and they are perpendicular, every face names three
 /// vertices that are there. Vertices without a face are allowed; so are faces without area, which neither cast nor
 /// receive anything ([`repair`](Self::repair) drops them).
+///
+/// Positions are relative to the mesh's [`origin`](Self::origin), in world coordinates and `f64`; it is zero unless
+/// [`with_origin`](Self::with_origin) says otherwise. Distant light, visibility and everything else that is computed
+/// from one mesh uses the positions alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
     positions: Vec<Vector3<f32>>,
     normals: Vec<Vector3<f32>>,
     tangents: Vec<Vector3<f32>>,
     faces: Vec<[u32; 3]>,
+    origin: Vector3<f64>,
 }
 
 /// What [`Mesh::repair`] changed, one note for each kind of defect.
@@ -150,7 +155,7 @@ impl Mesh {
         check_parts(&positions, &faces)?;
         let normals = angle_weighted_normals(&positions, &faces);
         let tangents = normals.iter().map(perpendicular).collect();
-        Ok(Self { positions, normals, tangents, faces })
+        Ok(Self { positions, normals, tangents, faces, origin: Vector3::zeros() })
     }
 
     /// A mesh with given normals.
@@ -176,7 +181,7 @@ impl Mesh {
         }
         let normals: Vec<_> = normals.into_iter().flatten().collect();
         let tangents = normals.iter().map(perpendicular).collect();
-        Ok(Self { positions, normals, tangents, faces })
+        Ok(Self { positions, normals, tangents, faces, origin: Vector3::zeros() })
     }
 
     /// The same mesh with given tangents, which anisotropic reflectance is aligned to.
@@ -204,6 +209,30 @@ impl Mesh {
                 .unwrap_or_else(|| perpendicular(n))
             })
             .collect();
+        Ok(self)
+    }
+
+    /// The same positions relative to another point: world = origin + position.
+    ///
+    /// For coordinates far from zero (surveyors' metres, planets), of which `f32` would keep too few digits: the origin
+    /// holds what they have in common. Nothing moves relative to the mesh.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] if a coordinate of the origin is NaN or infinite.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::{nalgebra::Vector3, scene::Mesh};
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]].map(Vector3::from);
+    /// let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2]])?.with_origin(Vector3::new(5e5, 5.4e6, 0.0))?;
+    /// assert_eq!(mesh.origin() + mesh.positions()[1].cast(), Vector3::new(500_001.0, 5.4e6, 0.0));
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn with_origin(mut self, origin: Vector3<f64>) -> Result<Self> {
+        if let Some(index) = origin.iter().position(|c| !c.is_finite()) {
+            return Err(Error::NotFinite { what: "mesh origin: coordinate", index });
+        }
+        self.origin = origin;
         Ok(self)
     }
 
@@ -280,12 +309,20 @@ impl Mesh {
 
     /// Several meshes as one: their vertices and faces in the order given.
     ///
+    /// The origin is that of the first mesh; the positions of a mesh with another one are moved, in `f64`, so that the
+    /// world coordinates stay.
+    ///
     /// # Errors
-    /// [`Error::Empty`] without a mesh, [`Error::OutOfRange`] for more than 2³² − 1 vertices.
+    /// [`Error::Empty`] without a mesh, [`Error::OutOfRange`] for more than 2³² − 1 vertices, [`Error::NotFinite`] if a
+    /// position is beyond `f32` seen from the first mesh's origin.
     pub fn merge<'a>(meshes: impl IntoIterator<Item = &'a Self>) -> Result<Self> {
-        let mut all = Self { positions: vec![], normals: vec![], tangents: vec![], faces: vec![] };
+        let origin = Vector3::zeros();
+        let mut all = Self { positions: vec![], normals: vec![], tangents: vec![], faces: vec![], origin };
         for mesh in meshes {
             let base = all.positions.len();
+            if base == 0 {
+                all.origin = mesh.origin;
+            }
             if base + mesh.positions.len() > u32::MAX as usize {
                 return Err(Error::OutOfRange {
                     what: "vertices of a merged mesh",
@@ -293,7 +330,15 @@ impl Mesh {
                     allowed: "below 2^32",
                 });
             }
-            all.positions.extend_from_slice(&mesh.positions);
+            if mesh.origin == all.origin {
+                all.positions.extend_from_slice(&mesh.positions);
+            } else {
+                let shift = mesh.origin - all.origin;
+                all.positions.extend(mesh.positions.iter().map(|p| (p.cast::<f64>() + shift).cast::<f32>()));
+                if let Some(index) = all.positions[base..].iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+                    return Err(Error::NotFinite { what: "position of a merged mesh", index: base + index });
+                }
+            }
             all.normals.extend_from_slice(&mesh.normals);
             all.tangents.extend_from_slice(&mesh.tangents);
             all.faces.extend(mesh.faces.iter().map(|f| f.map(|i| i + base as u32)));
@@ -304,7 +349,7 @@ impl Mesh {
     /// The mesh moved, turned, scaled or sheared.
     ///
     /// Normals go with the inverse transpose, tangents with the map; a mirroring map turns the faces around, so that they
-    /// stay counter-clockwise seen from outside.
+    /// stay counter-clockwise seen from outside. The map acts on the positions; the [`origin`](Self::origin) stays.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if the map's determinant is zero or not finite, [`Error::NotFinite`] if a vertex overflows.
@@ -329,10 +374,16 @@ impl Mesh {
         });
         let faces = self.faces.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect();
         let tangents = self.tangents.iter().map(|t| (linear * t.cast::<f64>()).cast()).collect();
-        Self::with_normals(positions, normals.collect(), faces)?.with_tangents(tangents)
+        Self::with_normals(positions, normals.collect(), faces)?.with_tangents(tangents)?.with_origin(self.origin)
     }
 
-    /// Positions, one a vertex.
+    /// The point that positions are relative to, in world coordinates: world = origin + position.
+    #[inline]
+    pub const fn origin(&self) -> Vector3<f64> {
+        self.origin
+    }
+
+    /// Positions, one a vertex, relative to the [`origin`](Self::origin).
     #[inline]
     pub fn positions(&self) -> &[Vector3<f32>] {
         &self.positions
@@ -375,7 +426,7 @@ impl Mesh {
         Frame { tangent, bitangent: normal.cross(&tangent), normal }
     }
 
-    /// The smallest box around the faces; vertices without a face do not count.
+    /// The smallest box around the faces, relative to the origin; vertices without a face do not count.
     pub fn bounds(&self) -> Bounds {
         let first = self.corners(0)[0];
         let grow = |b: Bounds, p: Vector3<f32>| Bounds { min: b.min.inf(&p), max: b.max.sup(&p) };
@@ -477,7 +528,8 @@ macro_rules! approx_by_vectors {
 
 approx_by_vectors!(Frame, |f| [[&f.tangent], [&f.bitangent], [&f.normal]], |_a, _b| true);
 approx_by_vectors!(Bounds, |b| [[&b.min], [&b.max]], |_a, _b| true);
-approx_by_vectors!(Mesh, |m| [&m.positions, &m.normals, &m.tangents], |a, b| a.faces == b.faces);
+approx_by_vectors!(Mesh, |m| [&m.positions, &m.normals, &m.tangents], |a, b| a.faces == b.faces
+    && a.origin == b.origin);
 
 /// Twice the area of a triangle, along its normal.
 fn double_area_vector([a, b, c]: &[Vector3<f64>; 3]) -> Vector3<f64> {
