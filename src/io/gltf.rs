@@ -14,7 +14,7 @@ use ::gltf::json::{self, Root};
 use nalgebra::{Matrix3, Matrix4, Quaternion, UnitQuaternion, Vector3};
 
 use super::assemble::{Count, Soup, plural};
-use super::{Loaded, Report, describe, excerpt};
+use super::{Loaded, MeshOptions, Report, describe, excerpt};
 use crate::Result;
 use crate::scene::Mesh;
 
@@ -30,15 +30,22 @@ const MOST: usize = 1 << 26;
 /// or below and nothing else (no `..`, no absolute path, no other scheme; symbolic links are followed).
 ///
 /// Points and lines are left out with a warning, as are skins and morph targets: a skinned mesh stands as stored,
-/// without its node's transform. Repaired as in [`read_obj`](super::read_obj): faces without area, vertices without a
-/// face, bad normals.
+/// without its node's transform. Repaired is what is repaired in [every format](super#meshes).
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line of the JSON or the name of the object in it: sparse or compressed accessors (Draco,
 /// meshopt), other required extensions, no `POSITION`, anything that reaches outside its buffer, NaN or infinite
 /// coordinates, indices out of range, a node that is reached twice, more than 2²⁶ vertices or triangles.
 pub fn read_gltf(bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
-    read_with_base(bytes, name, None)
+    read_gltf_with(bytes, name, &MeshOptions::default())
+}
+
+/// [`read_gltf`] as the options say.
+///
+/// # Errors
+/// Those of [`read_gltf`].
+pub fn read_gltf_with(bytes: &[u8], name: impl AsRef<Path>, options: &MeshOptions) -> Result<Loaded<Mesh>> {
+    read_with_base(bytes, name, None, options)
 }
 
 /// Whether a file begins like GLB.
@@ -47,7 +54,12 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 }
 
 /// Reads with the buffers of the folder `base`, if there is one.
-pub(super) fn read_with_base(bytes: &[u8], name: impl AsRef<Path>, base: Option<&Path>) -> Result<Loaded<Mesh>> {
+pub(super) fn read_with_base(
+    bytes: &[u8],
+    name: impl AsRef<Path>,
+    base: Option<&Path>,
+    options: &MeshOptions,
+) -> Result<Loaded<Mesh>> {
     let report = Report::new(name);
     if bytes.is_empty() {
         return Err(report.error("", "the file is empty"));
@@ -62,7 +74,7 @@ pub(super) fn read_with_base(bytes: &[u8], name: impl AsRef<Path>, base: Option<
     })?;
     check_version(&root, &report)?;
     let buffers = Buffers { root: &root, binary, base, data: vec![OnceCell::new(); root.buffers.len()] };
-    let mut reader = Reader { root: &root, buffers, report, soup: Soup::default(), skipped: Skipped::default() };
+    let mut reader = Reader { root: &root, buffers, report, soup: Soup::new(options), skipped: Skipped::default() };
     reader.scene()?;
     reader.finish()
 }

@@ -17,6 +17,21 @@
 //! Every `save_…` writes a temporary file beside its target and renames it, so that an interrupted run leaves either
 //! the old file or the new one.
 //!
+//! # Meshes
+//! What [`load_mesh`] and the readers of meshes do with every format, each with a [`Warning`] where it changes the file:
+//!
+//! | what | becomes |
+//! |---|---|
+//! | coordinates that `f32` would round visibly, as far from zero | an origin is taken off in `f64`: [`Mesh::origin`] |
+//! | polygons | triangles: a fan around the first corner where that covers it (always for convex ones), ear clipping otherwise; holes are joined to the outline by bridges, corners that come twice. An outline that crosses itself is cut as well as it can be |
+//! | vertices that are NaN or infinite | dropped if no face uses them, else an error |
+//! | faces without area, vertices without a face | dropped |
+//! | normals that are missing, zero or not finite | computed from the faces, weighted by angle |
+//! | faces there twice, once each way round, without normals | two sides with vertices of their own |
+//! | winding that disagrees or points inwards, in closed surfaces | turned where it is clear: [`Winding`] |
+//! | a mesh whose z or x axis points up | turned, on demand: [`Up`] |
+//!
+//! # Pictures
 //! Pixels and colours are linear RGB radiance in `f32`; PNG alone is sRGB-encoded.
 //!
 //! # Example
@@ -40,22 +55,30 @@ mod exr;
 mod gltf;
 mod hdr;
 mod image;
+mod number;
 mod obj;
+mod options;
 mod origin;
 mod ply;
 mod ply_out;
 mod png;
+mod polygon;
+mod repair;
+mod sides;
+mod split;
+mod winding;
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 pub use self::environment::{load_environment, read_environment};
 pub use self::exr::{encode_exr, read_exr};
-pub use self::gltf::read_gltf;
+pub use self::gltf::{read_gltf, read_gltf_with};
 pub use self::hdr::{encode_hdr, read_hdr};
 pub use self::image::{Image, load_image, read_image, save_exr, save_hdr, save_png, save_png_srgb8};
-pub use self::obj::read_obj;
-pub use self::ply::read_ply;
+pub use self::obj::{read_obj, read_obj_with};
+pub use self::options::{MeshOptions, Up, Winding};
+pub use self::ply::{read_ply, read_ply_with};
 pub use self::ply_out::{encode_ply, save_ply};
 pub use self::png::{encode_png, encode_png_srgb8, read_png};
 use crate::scene::Mesh;
@@ -125,28 +148,38 @@ impl Report {
 
 /// Reads a mesh file: OBJ, PLY, glTF or GLB.
 ///
+/// [`load_mesh_with`] with the default options: y is up, and closed surfaces that are wound inside out are turned.
+///
+/// # Errors
+/// [`Error::File`] with the place for anything that cannot be read or repaired.
+pub fn load_mesh(path: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
+    load_mesh_with(path, &MeshOptions::default())
+}
+
+/// Reads a mesh file: OBJ, PLY, glTF or GLB, as the options say.
+///
 /// The first bytes decide where they can (PLY, GLB), the extension otherwise. See [`read_obj`], [`read_ply`] and
-/// [`read_gltf`] for what each reader takes, skips and repairs; all of them triangulate polygons as fans, drop
-/// degenerate faces and unreferenced vertices with a warning, and compute the normals that the file lacks.
+/// [`read_gltf`] for what each reader takes, skips and repairs. What they have in common is on the
+/// [module's page](self#meshes).
 ///
 /// A `.gltf` file may name buffers beside it. Only relative paths to the file's own folder or below are followed.
 ///
 /// # Errors
 /// [`Error::File`] with the place for anything that cannot be read or repaired.
-pub fn load_mesh(path: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
+pub fn load_mesh_with(path: impl AsRef<Path>, options: &MeshOptions) -> Result<Loaded<Mesh>> {
     let path = path.as_ref();
     let bytes = read_file(path)?;
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if ply::is_ply(&bytes) {
-        return read_ply(&bytes, path);
+        return read_ply_with(&bytes, path, options);
     }
     if gltf::is_glb(&bytes) {
-        return gltf::read_with_base(&bytes, path, path.parent());
+        return gltf::read_with_base(&bytes, path, path.parent(), options);
     }
     match extension.as_str() {
-        "obj" => read_obj(&bytes, path),
-        "ply" => read_ply(&bytes, path),
-        "gltf" | "glb" => gltf::read_with_base(&bytes, path, path.parent()),
+        "obj" => read_obj_with(&bytes, path, options),
+        "ply" => read_ply_with(&bytes, path, options),
+        "gltf" | "glb" => gltf::read_with_base(&bytes, path, path.parent(), options),
         _ => Err(Report::new(path).error("", "not a mesh format that can be read: OBJ, PLY, glTF, GLB")),
     }
 }

@@ -6,7 +6,7 @@
 use nalgebra::Vector3;
 
 use super::assemble::Soup;
-use super::{Loaded, Report, excerpt};
+use super::{Loaded, MeshOptions, Report, excerpt};
 use crate::Result;
 use crate::scene::Mesh;
 
@@ -17,20 +17,27 @@ use crate::scene::Mesh;
 /// separates strips). Properties may have any of the format's types and any order; other properties and elements are
 /// skipped. In ASCII an element is a line, blank lines are skipped, and the header's lines may end in LF, CRLF or CR.
 ///
-/// Polygons are cut as fans around their first corner; a concave one gives overlapping triangles and a warning.
-/// Repaired with a warning: faces with fewer than three corners or no area, vertices without a face, normals that are
-/// zero or not finite, bytes after the end.
+/// Repaired with a warning: faces with fewer than three corners, bytes after the end, and what is repaired in
+/// [every format](super#meshes).
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line, or the element and byte offset, for everything else that cannot be read: counts beyond
 /// the bytes that are there, a coordinate that is NaN or infinite (in `f32`), an index out of range, a file cut short.
 pub fn read_ply(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Mesh>> {
+    read_ply_with(bytes, name, &MeshOptions::default())
+}
+
+/// [`read_ply`] as the options say.
+///
+/// # Errors
+/// Those of [`read_ply`].
+pub fn read_ply_with(bytes: &[u8], name: impl AsRef<std::path::Path>, options: &MeshOptions) -> Result<Loaded<Mesh>> {
     let mut report = Report::new(name);
     if bytes.is_empty() {
         return Err(report.error("", "the file is empty"));
     }
     let header = Header::read(bytes, &report)?;
-    let mut soup = Soup::default();
+    let mut soup = Soup::new(options);
     let rest = match header.format {
         Format::Ascii => {
             let mut body = Ascii { rest: &bytes[header.end..], line: header.lines, row: &[] };
