@@ -37,6 +37,17 @@ pub enum Error {
         /// The allowed range, in words or as an interval.
         allowed: &'static str,
     },
+    /// An index names an element that is not there.
+    Index {
+        /// Where the index stands, up to the number `at`.
+        what: &'static str,
+        /// Which of those.
+        at: usize,
+        /// The index.
+        got: usize,
+        /// How many elements there are.
+        count: usize,
+    },
     /// A number is NaN or infinite.
     NotFinite {
         /// What the number belongs to.
@@ -88,6 +99,7 @@ impl std::fmt::Display for Error {
                 write!(f, "{what} must be a power of two (1, 2, 4, …), got {got}")
             }
             Self::OutOfRange { what, got, allowed } => write!(f, "{what} must be {allowed}, got {got}"),
+            Self::Index { what, at, got, count } => write!(f, "{what} {at} must be below {count}, got {got}"),
             Self::NotFinite { what, index } => write!(f, "{what} number {index} is NaN or infinite"),
             Self::Empty { what } => write!(f, "{what} is empty"),
             Self::Syntax { what, given, reason } => write!(f, "{what} '{given}': {reason}"),
@@ -126,6 +138,8 @@ mod tests {
     fn messages_carry_the_numbers() {
         let e = Error::Length { what: "texels", expected: 6, got: 5 };
         assert_eq!(e.to_string(), "texels: expected 6, got 5");
+        let e = Error::Index { what: "vertex index of mesh face", at: 7, got: 9, count: 4 };
+        assert_eq!(e.to_string(), "vertex index of mesh face 7 must be below 4, got 9");
         let e = Error::File { path: "a.obj".into(), place: "line 3".into(), reason: "vertex is NaN".into() };
         assert_eq!(e.to_string(), "a.obj, line 3: vertex is NaN");
     }

@@ -21,7 +21,9 @@ fn parts_that_do_not_fit_are_errors() {
     let (positions, faces) = square();
     assert_eq!(Mesh::new(vec![], faces.clone()), Err(Error::Empty { what: "mesh vertices" }));
     assert_eq!(Mesh::new(positions.clone(), vec![]), Err(Error::Empty { what: "mesh faces" }));
-    assert!(matches!(Mesh::new(positions.clone(), vec![[0, 1, 4]]), Err(Error::OutOfRange { got: 4.0, .. })));
+    let error = Mesh::new(positions.clone(), vec![[0, 1, 2], [0, 1, 4]]).unwrap_err();
+    assert_eq!(error, Error::Index { what: "vertex index of mesh face", at: 1, got: 4, count: 4 });
+    assert_eq!(error.to_string(), "vertex index of mesh face 1 must be below 4, got 4");
     let mut broken = positions.clone();
     broken[2].y = f32::INFINITY;
     assert!(matches!(Mesh::new(broken, faces.clone()), Err(Error::NotFinite { index: 2, .. })));

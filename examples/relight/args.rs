@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Parser, ValueEnum};
 use haarmonic::backend::block_product::Rule;
 use haarmonic::haar::Keep;
+use haarmonic::io::{MeshOptions, Up, Winding};
 use haarmonic::nalgebra::Vector3;
 
 /// A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
@@ -16,6 +17,14 @@ pub struct Args {
     /// Mesh file (OBJ, PLY, glTF, GLB); without it the built-in scene
     #[arg(long, value_name = "FILE")]
     pub mesh: Option<PathBuf>,
+
+    /// Axis of the mesh file that points up; the mesh is turned so that it does under the environment
+    #[arg(long, value_name = "AXIS", value_enum, default_value = "y", requires = "mesh")]
+    pub mesh_up: Axis,
+
+    /// Faces of the mesh file that are wound the wrong way round
+    #[arg(long, value_enum, default_value = "repair", requires = "mesh")]
+    pub winding: Wound,
 
     /// Built-in scene
     #[arg(long, value_enum, default_value = "torus-knot", conflicts_with = "mesh")]
@@ -96,7 +105,7 @@ pub struct Args {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub view: Option<Vector3<f64>>,
 
-    /// Which way is up in the picture
+    /// Which way is up in the picture (for a mesh whose z axis points up see --mesh-up)
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true, default_value = "0,1,0")]
     pub up: Vector3<f64>,
 
@@ -200,6 +209,20 @@ impl Args {
         self.frames.unwrap_or(if self.paper { 3 } else { 5 })
     }
 
+    /// How the mesh file is to be taken.
+    pub fn mesh_options(&self) -> MeshOptions {
+        let up = match self.mesh_up {
+            Axis::X => Up::X,
+            Axis::Y => Up::Y,
+            Axis::Z => Up::Z,
+        };
+        let winding = match self.winding {
+            Wound::Repair => Winding::Repair,
+            Wound::Keep => Winding::Keep,
+        };
+        MeshOptions::default().with_up(up).with_winding(winding)
+    }
+
     /// Edge of a block in texels.
     pub fn block(&self) -> usize {
         self.block.unwrap_or(self.resolution.min(16))
@@ -212,6 +235,23 @@ fn tolerance() -> f64 {
         Rule::Bounded { tolerance } => tolerance,
         _ => 0.0,
     }
+}
+
+/// Axes that may point up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Axis {
+    X,
+    Y,
+    Z,
+}
+
+/// Winding of a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Wound {
+    /// Turned where it is clear which side of a closed surface is outside
+    Repair,
+    /// As the file has them, for rooms that are seen from inside
+    Keep,
 }
 
 /// Built-in scenes.

@@ -26,7 +26,7 @@ impl Scene {
         let given = args.brdf.as_deref().map(|text| text.parse::<BrdfSpec>()?.build()).transpose()?;
         let (name, mesh, camera, materials) = match &args.mesh {
             Some(path) => {
-                let loaded = io::load_mesh(path)?;
+                let loaded = io::load_mesh_with(path, &args.mesh_options())?;
                 loaded.warnings.iter().for_each(warn);
                 let view = args.view.unwrap_or(Vector3::new(0.35, 0.3, 1.0));
                 let camera = Camera::framing(&loaded.value, &view, &args.up, FIELD_OF_VIEW, 1.0)?;

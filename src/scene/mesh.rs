@@ -150,7 +150,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`Error::Empty`] without vertices or faces, [`Error::NotFinite`] for a position that is not finite,
-    /// [`Error::OutOfRange`] for a face that names a vertex that is not there.
+    /// [`Error::Index`] for a face that names a vertex that is not there.
     pub fn new(positions: Vec<Vector3<f32>>, faces: Vec<[u32; 3]>) -> Result<Self> {
         check_parts(&positions, &faces)?;
         let normals = angle_weighted_normals(&positions, &faces);
@@ -459,14 +459,13 @@ fn check_parts(positions: &[Vector3<f32>], faces: &[[u32; 3]]) -> Result<()> {
     if let Some(index) = positions.iter().position(|p| !p.iter().all(|c| c.is_finite())) {
         return Err(Error::NotFinite { what: "mesh position", index });
     }
-    match faces.iter().flatten().find(|&&i| i as usize >= positions.len()) {
-        Some(&bad) => Err(Error::OutOfRange {
-            what: "vertex index of a face",
-            got: f64::from(bad),
-            allowed: "below the number of vertices",
-        }),
-        None => Ok(()),
+    let count = positions.len();
+    for (at, face) in faces.iter().enumerate() {
+        if let Some(&index) = face.iter().find(|&&i| i as usize >= count) {
+            return Err(Error::Index { what: "vertex index of mesh face", at, got: index as usize, count });
+        }
     }
+    Ok(())
 }
 
 /// How many defects of one kind, and where the first one is.
