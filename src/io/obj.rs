@@ -53,8 +53,9 @@ pub fn read_obj_with(bytes: &[u8], name: impl AsRef<std::path::Path>, options: &
     let mut joined = Vec::new();
     while let Some((number, line)) = lines.next() {
         reader.line = number;
-        let Some(start) = continued(line) else {
-            reader.statement(statement_of(line))?;
+        let statement = statement_of(line);
+        let Some(start) = statement.strip_suffix(b"\\") else {
+            reader.statement(statement)?;
             continue;
         };
         joined.clear();
@@ -70,8 +71,9 @@ pub fn read_obj_with(bytes: &[u8], name: impl AsRef<std::path::Path>, options: &
                 break;
             }
             joined.push(b' ');
-            joined.extend_from_slice(continued(line).unwrap_or(statement));
-            if continued(line).is_none() && !statement.is_empty() {
+            let goes_on = statement.strip_suffix(b"\\");
+            joined.extend_from_slice(goes_on.unwrap_or(statement));
+            if goes_on.is_none() && !statement.is_empty() {
                 break;
             }
         }
@@ -82,23 +84,17 @@ pub fn read_obj_with(bytes: &[u8], name: impl AsRef<std::path::Path>, options: &
 
 /// A line without its comment and the blanks around it.
 fn statement_of(line: &[u8]) -> &[u8] {
-    let begins_comment = |at: &usize| {
-        let at = *at;
-        if line[at] != b'#' {
-            return false;
-        }
-        // In a word such as 1.#QNAN it does not.
+    // In a word such as 1.#QNAN no comment begins.
+    let is_number = |at: usize| {
         let start = line[..at].iter().rposition(u8::is_ascii_whitespace).map_or(0, |i| i + 1);
         let end = line[at..].iter().position(u8::is_ascii_whitespace).map_or(line.len(), |i| at + i);
-        number::parse(&line[start..end]).is_none()
+        number::parse(&line[start..end]).is_some()
     };
-    let end = (0..line.len()).find(begins_comment).unwrap_or(line.len());
-    line[..end].trim_ascii()
-}
-
-/// What is before the backslash at the end of a statement, if there is one.
-fn continued(line: &[u8]) -> Option<&[u8]> {
-    statement_of(line).strip_suffix(b"\\")
+    let mut end = line.iter().position(|&b| b == b'#');
+    while let Some(at) = end.filter(|&at| is_number(at)) {
+        end = line[at + 1..].iter().position(|&b| b == b'#').map(|i| at + 1 + i);
+    }
+    line[..end.unwrap_or(line.len())].trim_ascii()
 }
 
 /// Whether a line begins with a keyword, and so does not go on with the statement of the line before.

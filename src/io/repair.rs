@@ -37,14 +37,14 @@ impl Rounded {
     pub(super) fn into_mesh(mut self, mut report: Report) -> Result<Loaded<Mesh>> {
         let ranges = self.polygons();
         let flat = self.split_by_smoothing(&ranges);
-        let welded = sides::weld(&self.positions);
+        let mut welded = sides::weld(&self.positions);
         let twins = sides::twins(&ranges, &self.faces, &welded);
-        self.split_sides(&ranges, &twins, &welded, &mut report);
+        self.split_sides(&ranges, &twins, &mut welded, &mut report);
         let polygons: Vec<Polygon> = (flat.into_iter().zip(twins)).map(|(flat, twin)| Polygon { flat, twin }).collect();
         let mut polygon_of = self.cut_polygons(&ranges, &mut report);
         self.drop_degenerate_faces(&mut polygon_of, &mut report)?;
         if self.winding == Winding::Repair {
-            self.turn_faces(&polygons, &polygon_of, &mut report);
+            self.turn_faces(&polygons, &polygon_of, &welded, &mut report);
         }
         self.split_opposed_vertices(&mut report);
         self.drop_unreferenced_vertices(&mut report);
@@ -119,7 +119,11 @@ impl Rounded {
             };
             flat.push(matches!(key, Key::Polygon(_)));
             for f in range.clone() {
-                self.faces[f] = self.faces[f].map(|v| if self.has_normal(v) { v } else { splitter.vertex(v, key) });
+                self.faces[f] = self.faces[f].map(|v| match key {
+                    _ if self.has_normal(v) => v,
+                    Key::Polygon(_) => splitter.vertex_in_order(v, key),
+                    Key::Group(_) => splitter.vertex(v, key),
+                });
             }
         }
         self.push_copies(&splitter);
@@ -127,7 +131,7 @@ impl Rounded {
     }
 
     /// Splits the vertices around which every polygon is there both ways round.
-    fn split_sides(&mut self, ranges: &[Range<usize>], twins: &[Twin], welded: &[u32], report: &mut Report) {
+    fn split_sides(&mut self, ranges: &[Range<usize>], twins: &[Twin], welded: &mut Vec<u32>, report: &mut Report) {
         if !twins.iter().any(|t| t.both_ways) {
             return;
         }
@@ -164,6 +168,7 @@ impl Rounded {
         }
         let n = splitter.sources().len();
         self.push_copies(&splitter);
+        splitter.sources().iter().for_each(|&source| welded.push(welded[source as usize]));
         split.warn(report, |_| {
             format!(
                 "faces are there twice, once each way round, without normals; the two sides got vertices of their own \
@@ -228,7 +233,7 @@ impl Rounded {
     }
 
     /// Turns faces of closed surfaces, and what is there once more with them.
-    fn turn_faces(&mut self, polygons: &[Polygon], polygon_of: &[u32], report: &mut Report) {
+    fn turn_faces(&mut self, polygons: &[Polygon], polygon_of: &[u32], welded: &[u32], report: &mut Report) {
         let twin = |f: usize| polygons[polygon_of[f] as usize].twin;
         let n = self.faces.len();
         let skipped: Vec<bool> = (0..n).map(|f| twin(f).both_ways || twin(f).first != polygon_of[f]).collect();
@@ -239,7 +244,7 @@ impl Rounded {
             &winding::Faces {
                 positions: &self.positions,
                 normals: given.as_deref(),
-                welded: &sides::weld(&self.positions),
+                welded,
                 faces: &self.faces,
                 skipped: &skipped,
             },
@@ -265,21 +270,33 @@ impl Rounded {
                 to(1).angle(&to(2))
             })
         };
-        let mut sums = vec![(Vector3::<f64>::zeros(), 0.0); self.positions.len()];
+        // Where some weighted sum of normals is zero, not all of them are on the side of the plain sum.
+        let mut plain = vec![Vector3::<f64>::zeros(); self.positions.len()];
+        let unit = |face: &[u32; 3]| self.area(face).normalize();
         for face in &self.faces {
-            let normal = self.area(face).normalize();
+            face.iter().for_each(|&v| plain[v as usize] += unit(face));
+        }
+        let mut marked = vec![false; self.positions.len()];
+        for face in &self.faces {
+            let normal = unit(face);
+            let behind = |v: u32| plain[v as usize].dot(&normal) <= 1e-3 && !self.has_normal(v);
+            face.iter().filter(|v| behind(**v)).for_each(|&v| marked[v as usize] = true);
+        }
+        let mut sums = vec![(Vector3::<f64>::zeros(), 0.0); if marked.contains(&true) { marked.len() } else { 0 }];
+        for face in self.faces.iter().filter(|f| f.iter().any(|&v| marked[v as usize])) {
             for (&v, angle) in face.iter().zip(angles(face)) {
-                sums[v as usize].0 += normal * angle;
+                sums[v as usize].0 += unit(face) * angle;
                 sums[v as usize].1 += angle;
             }
         }
         // What cancels to less than this is noise; the tip of a needle of a millionth of a radian is not met.
-        let cancels = |v: u32| sums[v as usize].0.norm() <= 1e-6 * sums[v as usize].1 && !self.has_normal(v);
-        let mut opposed = Count::default();
-        let marked: Vec<bool> = (0..self.positions.len() as u32).map(cancels).collect();
-        if !self.faces.iter().flatten().any(|&v| marked[v as usize]) {
+        for (mark, (sum, angle)) in marked.iter_mut().zip(&sums) {
+            *mark &= sum.norm() <= 1e-6 * angle;
+        }
+        if !marked.contains(&true) {
             return;
         }
+        let mut opposed = Count::default();
         // The direction that the normals around a vertex have in common but for the sign.
         let mut moments = vec![Matrix3::<f64>::zeros(); self.positions.len()];
         for face in self.faces.iter().filter(|f| f.iter().any(|&v| marked[v as usize])) {

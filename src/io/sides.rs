@@ -4,24 +4,32 @@
 //! its own. Which of two opposite faces is on which side is decided around each vertex: faces that share an edge there
 //! and run along it in opposite directions are on the same side.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use nalgebra::Vector3;
 
 /// For each vertex, the first one at the same place (+0 and −0 are one).
 pub(super) fn weld(positions: &[Vector3<f32>]) -> Vec<u32> {
-    let key = |i: u32| positions[i as usize].map(|c| (c + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&i| (<[u32; 3]>::from(key(i)), i));
-    let mut welded = vec![0; positions.len()];
-    let mut first = 0;
-    for (n, &i) in order.iter().enumerate() {
-        if n == 0 || key(i) != key(first) {
-            first = i;
-        }
-        welded[i as usize] = first;
+    let mut first = HashMap::with_capacity(positions.len());
+    let bits = |p: &Vector3<f32>| [p.x, p.y, p.z].map(|c| (c + 0.0).to_bits());
+    positions.iter().zip(0..).map(|(p, i)| *first.entry(bits(p)).or_insert(i)).collect()
+}
+
+/// The items in the order of their keys, which are below `keys`, those of the same key in their own order; and where each key
+/// begins.
+pub(super) fn buckets(keys: usize, items: usize, key: impl Fn(u32) -> u32) -> (Vec<u32>, Vec<usize>) {
+    let mut starts = vec![0; keys + 1];
+    (0..items as u32).for_each(|i| starts[key(i) as usize + 1] += 1);
+    (0..keys).for_each(|k| starts[k + 1] += starts[k]);
+    let mut next = starts.clone();
+    let mut order = vec![0; items];
+    for i in 0..items as u32 {
+        let at = &mut next[key(i) as usize];
+        order[*at] = i;
+        *at += 1;
     }
-    welded
+    (order, starts)
 }
 
 /// The corners of a polygon that was cut as the fan of triangles `faces[range]`.
@@ -61,14 +69,17 @@ pub(super) fn twins(polygons: &[Range<usize>], faces: &[[u32; 3]], welded: &[u32
         })
         .collect();
     let key = |p: u32| &ids[keys[p as usize].0.clone()];
-    let mut order: Vec<u32> = (0..polygons.len() as u32).collect();
-    order.sort_unstable_by(|&a, &b| key(a).cmp(key(b)).then(a.cmp(&b)));
     let mut twins = vec![Twin { first: 0, reversed: false, both_ways: false }; polygons.len()];
-    for group in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        let way = |p: u32| keys[p as usize].1;
-        let both_ways = group.iter().any(|&p| way(p) != way(group[0]));
-        for &p in group {
-            twins[p as usize] = Twin { first: group[0], reversed: way(p) != way(group[0]), both_ways };
+    let (mut order, starts) = buckets(welded.len(), polygons.len(), |p| key(p)[0]);
+    for bucket in starts.windows(2) {
+        let bucket = &mut order[bucket[0]..bucket[1]];
+        bucket.sort_unstable_by(|&a, &b| key(a).cmp(key(b)).then(a.cmp(&b)));
+        for group in bucket.chunk_by(|&a, &b| key(a) == key(b)) {
+            let way = |p: u32| keys[p as usize].1;
+            let both_ways = group.iter().any(|&p| way(p) != way(group[0]));
+            for &p in group {
+                twins[p as usize] = Twin { first: group[0], reversed: way(p) != way(group[0]), both_ways };
+            }
         }
     }
     twins

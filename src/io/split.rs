@@ -9,31 +9,54 @@ use nalgebra::Vector3;
 #[derive(Debug)]
 pub(super) struct Splitter<K> {
     first: Vec<Option<K>>,
-    further: HashMap<(u32, K), u32>,
-    /// The vertices that the new ones, from the end of the old ones on, are copies of.
+    /// The newest copy of each vertex.
+    newest: Vec<u32>,
+    copies: HashMap<(u32, K), u32>,
+    /// The vertices that the new ones, from the end of the old ones on, are copies of, and the keys.
     sources: Vec<u32>,
+    keys: Vec<K>,
 }
 
 impl<K: Copy + Eq + Hash> Splitter<K> {
     pub(super) fn new(vertices: usize) -> Self {
-        Self { first: vec![None; vertices], further: HashMap::new(), sources: Vec::new() }
+        let newest = (0..vertices as u32).collect();
+        Self { first: vec![None; vertices], newest, copies: HashMap::new(), sources: Vec::new(), keys: Vec::new() }
     }
 
     /// The vertex that stands for `vertex` with this key.
     pub(super) fn vertex(&mut self, vertex: u32, key: K) -> u32 {
-        match self.first[vertex as usize] {
-            None => self.first[vertex as usize] = Some(key),
-            Some(first) if first == key => {}
-            Some(_) => {
-                let next = (self.first.len() + self.sources.len()) as u32;
-                let sources = &mut self.sources;
-                return *self.further.entry((vertex, key)).or_insert_with(|| {
-                    sources.push(vertex);
-                    next
-                });
-            }
+        if let Some(known) = self.known(vertex, key) {
+            return known;
         }
-        vertex
+        if let Some(&copy) = self.copies.get(&(vertex, key)) {
+            return copy;
+        }
+        let copy = self.push(vertex, key);
+        self.copies.insert((vertex, key), copy);
+        copy
+    }
+
+    /// The same for a key that does not come again at a vertex once another one has.
+    pub(super) fn vertex_in_order(&mut self, vertex: u32, key: K) -> u32 {
+        self.known(vertex, key).unwrap_or_else(|| self.push(vertex, key))
+    }
+
+    /// The vertex, if the key is its first or its newest.
+    fn known(&mut self, vertex: u32, key: K) -> Option<u32> {
+        let first = *self.first[vertex as usize].get_or_insert(key);
+        let newest = self.newest[vertex as usize];
+        if first == key {
+            return Some(vertex);
+        }
+        (newest != vertex && self.keys[newest as usize - self.first.len()] == key).then_some(newest)
+    }
+
+    fn push(&mut self, vertex: u32, key: K) -> u32 {
+        let copy = (self.first.len() + self.sources.len()) as u32;
+        self.sources.push(vertex);
+        self.keys.push(key);
+        self.newest[vertex as usize] = copy;
+        copy
     }
 
     /// The vertices to copy, in order.
@@ -109,5 +132,8 @@ mod tests {
         let keys = [(0, 'a'), (1, 'b'), (0, 'b'), (0, 'a'), (1, 'a'), (0, 'b')];
         assert_eq!(keys.map(|(v, k)| splitter.vertex(v, k)), [0, 1, 2, 0, 3, 2]);
         assert_eq!(splitter.sources(), [0, 1]);
+        let mut splitter = Splitter::new(2);
+        let keys = [(0, 'a'), (1, 'a'), (0, 'a'), (0, 'b'), (1, 'b'), (0, 'b'), (0, 'c')];
+        assert_eq!(keys.map(|(v, k)| splitter.vertex_in_order(v, k)), [0, 1, 0, 2, 3, 2, 4]);
     }
 }

@@ -8,6 +8,7 @@ use nalgebra::Vector3;
 
 use super::Report;
 use super::assemble::plural;
+use super::sides::buckets;
 
 /// No face.
 const NONE: u32 = u32::MAX;
@@ -87,15 +88,20 @@ struct Plan<'a> {
 
 impl<'a> Plan<'a> {
     fn new(given: &'a Faces<'a>) -> Self {
-        let mut edges: Vec<Edge> = Vec::with_capacity(3 * given.faces.len());
-        for (f, face) in given.faces.iter().enumerate().filter(|(f, _)| !given.skipped[*f]) {
-            let [a, b, c] = face.map(|i| given.welded[i as usize]);
-            edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| {
-                let key = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
-                (key, f as u32, from < to)
-            }));
+        let corner = |f: u32, k: u32| given.welded[given.faces[f as usize][k as usize % 3] as usize];
+        let lesser = |e: u32| corner(e / 3, e % 3).min(corner(e / 3, e % 3 + 1));
+        let (order, starts) = buckets(given.welded.len(), 3 * given.faces.len(), lesser);
+        let edge = |&e: &u32| {
+            let (f, from, to) = (e / 3, corner(e / 3, e % 3), corner(e / 3, e % 3 + 1));
+            (u64::from(from.min(to)) << 32 | u64::from(from.max(to)), f, from < to)
+        };
+        let judged = |e: &&u32| !given.skipped[**e as usize / 3];
+        let mut edges: Vec<Edge> = Vec::with_capacity(order.len());
+        for bucket in starts.windows(2) {
+            let start = edges.len();
+            edges.extend(order[bucket[0]..bucket[1]].iter().filter(judged).map(edge));
+            edges[start..].sort_unstable();
         }
-        edges.sort_unstable();
         let n = given.faces.len();
         Self { given, edges, surface_of: vec![NONE; n], surfaces: Vec::new(), turned: vec![false; n], tests: 0 }
     }
