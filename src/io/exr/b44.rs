@@ -24,7 +24,7 @@ pub(super) fn decode(block: &Block, bytes: &[u8], raw: &mut [u8]) -> Result<(), 
             for x in (0..block.width).step_by(4) {
                 let mut square = square(&mut input).ok_or(cut)?;
                 if channel.linear {
-                    square = square.map(|row| row.map(|half| EXP[usize::from(half)]));
+                    square = square.map(|row| row.map(|half| LOG[usize::from(half)]));
                 }
                 let columns = (block.width - x).min(4);
                 for (i, row) in square.iter().enumerate().take(block.height - y) {
@@ -75,12 +75,12 @@ fn unordered(code: u16) -> u16 {
     if code & 0x8000 != 0 { code & 0x7fff } else { !code }
 }
 
-/// By the bits of a half x: exp(x / 8), to the nearest half; the largest half beyond it, 0 for what is not finite.
-static EXP: LazyLock<Box<[u16]>> = LazyLock::new(|| {
-    const LARGEST: f64 = 65504.0;
-    let exp = |bits: u16| {
+/// By the bits of a half x: 8 ln x, to the nearest half; 0 for what is negative or not finite. Writers store exp(x / 8) of
+/// samples that are linear for the eye: of logarithms.
+static LOG: LazyLock<Box<[u16]>> = LazyLock::new(|| {
+    let log = |bits: u16| {
         let x = f64::from(half::to_f32(bits));
-        if x.is_finite() { half::from_f32((x / 8.0).exp().min(LARGEST) as f32) } else { 0 }
+        if x.is_finite() && x >= 0.0 { half::from_f32((8.0 * x.ln()) as f32) } else { 0 }
     };
-    (0..=u16::MAX).map(exp).collect()
+    (0..=u16::MAX).map(log).collect()
 });

@@ -463,9 +463,8 @@ mod tests {
         inverse_cosine(&mut got);
         for y in 0..8 {
             for x in 0..8 {
-                let expected: f64 = (0..64)
-                    .map(|k| f64::from(coefficients[k]) * basis(k / 8, y) * basis(k % 8, x))
-                    .sum();
+                let expected: f64 =
+                    (0..64).map(|k| f64::from(coefficients[k]) * basis(k / 8, y) * basis(k % 8, x)).sum();
                 // Sums of 8 terms of up to ½, twice: some 16 roundings of numbers up to 8, measured 4e-7.
                 assert!((f64::from(got[8 * y + x]) - expected).abs() < 2e-6, "({x}, {y})");
             }

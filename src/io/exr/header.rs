@@ -155,11 +155,7 @@ impl Header {
         let data = found.data.ok_or_else(|| missing("dataWindow"))?;
         let display = found.display.ok_or_else(|| missing("displayWindow"))?;
         let tiled = version & 0x200 != 0;
-        let block = if tiled {
-            found.tile.ok_or_else(|| missing("tiles"))?
-        } else {
-            [data.width, compression.lines()]
-        };
+        let block = if tiled { found.tile.ok_or_else(|| missing("tiles"))? } else { [data.width, compression.lines()] };
         let (envmap, chromaticities) = (found.envmap, found.chromaticities);
         let end = bytes.len() - input.0.len();
         Ok(Self { channels, compression, data, display, block, tiled, envmap, chromaticities, end })
