@@ -127,6 +127,14 @@ pub(super) fn check_size(report: &Report, place: &str, width: usize, height: usi
     Err(report.error(place, reason))
 }
 
+/// Checks that a picture has no pixel that a reader would refuse.
+pub(super) fn check_finite(image: &Image) -> Result<()> {
+    match image.pixels().iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        Some(index) => Err(Error::NotFinite { what: "pixel of a picture", index }),
+        None => Ok(()),
+    }
+}
+
 /// Checks and repairs the pixels that a reader found.
 pub(super) fn finish(
     mut report: Report,
@@ -182,7 +190,7 @@ pub fn save_png_srgb8(path: impl AsRef<Path>, width: usize, height: usize, pixel
 /// Writes a picture as OpenEXR; see [`encode_exr`].
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be written.
+/// [`Error::NotFinite`] for a pixel that is NaN or infinite, [`Error::File`] if the file cannot be written.
 pub fn save_exr(path: impl AsRef<Path>, image: &Image) -> Result<()> {
     let path = path.as_ref();
     atomic::write(path, &encode_exr(image).map_err(|e| named(path, e))?)

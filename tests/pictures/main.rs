@@ -1,9 +1,12 @@
 //! Pictures as other programs write them, and damaged ones.
 #![cfg(feature = "io")]
 
+mod colours;
 mod damage;
 mod exr_files;
 mod exr_peer;
+mod hdr;
+mod png;
 
 use std::path::PathBuf;
 

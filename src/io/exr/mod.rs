@@ -25,8 +25,9 @@ use self::header::{Header, SampleType};
 use self::input::Input;
 pub use self::write::encode_exr;
 use super::image::{Tagged, check_size, finish};
+use super::primaries::Primaries;
 use super::{Image, Loaded, Report};
-use crate::{Error, Result};
+use crate::Result;
 
 /// Reads an OpenEXR picture from its bytes; `name` is what messages call it.
 ///
@@ -34,12 +35,13 @@ use crate::{Error, Result};
 /// half, float and unsigned samples. RGB comes from the channels R, G, B, or Y alone, or from those of the only layer
 /// that has them (`layer.R` …, with a warning); all others are skipped. The picture is the display window: what the data
 /// window leaves free is black, what it has beyond is cut off, both with a warning. Of several resolutions the finest is
-/// read.
+/// read. Pixels whose attribute `chromaticities` names other primaries than those of Rec. 709 are converted to these, with
+/// white adapted (Bradford; not for XYZ, which knows no white), with a warning; `adoptedNeutral` and `whiteLuminance` are ignored.
 ///
 /// Memory: the picture, and one block uncompressed and once more in between.
 ///
 /// # Errors
-/// [`Error::File`] with the block or pixel: several parts, deep data, HTJ2K compression, subsampled or luminance-chroma
+/// [`Error::File`](crate::Error::File) with the block or pixel: several parts, deep data, HTJ2K compression, subsampled or luminance-chroma
 /// colour, channels that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`] pixels,
 /// a display window of more than 1024 times the data window, damage of any kind.
 pub fn read_exr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
@@ -54,7 +56,11 @@ pub(super) fn read_tagged(bytes: &[u8], name: &std::path::Path) -> Result<Tagged
     }
     let header = Header::read(bytes).map_err(|reason| report.error("header", reason))?;
     let layout = Layout::new(&header, bytes.len(), &mut report)?;
-    let pixels = decode(bytes, &header, &layout).map_err(|(place, reason)| report.error(place, reason))?;
+    let mut pixels = decode(bytes, &header, &layout).map_err(|(place, reason)| report.error(place, reason))?;
+    if let Some(chromaticities) = header.chromaticities {
+        let primaries = Primaries::new(chromaticities.map(f64::from));
+        primaries.convert("header, chromaticities", &mut report, &mut pixels);
+    }
     let image = finish(report, layout.width, layout.height, pixels)?;
     Ok(Tagged { image, envmap: header.envmap })
 }
@@ -171,8 +177,8 @@ impl Layout {
     fn copy(&self, block: &Block, left: [usize; 2], raw: &[u8], pixels: &mut [Vector3<f32>]) {
         let [x, y] = [0, 1].map(|i| left[i] as i64 + self.offset[i]);
         // Samples of a line that are inside the picture.
-        let inside = (-x).clamp(0, block.width as i64) as usize
-            ..(self.width as i64 - x).clamp(0, block.width as i64) as usize;
+        let inside =
+            (-x).clamp(0, block.width as i64) as usize..(self.width as i64 - x).clamp(0, block.width as i64) as usize;
         if inside.is_empty() {
             return;
         }

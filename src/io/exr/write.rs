@@ -1,6 +1,7 @@
 //! The writer: float R, G and B in blocks of 16 lines, each compressed by ZIP.
 
 use crate::io::Image;
+use crate::io::image::check_finite;
 use crate::{Error, Result};
 
 /// Lines of a block.
@@ -11,8 +12,10 @@ const LEVEL: u8 = 4;
 /// The bytes of a picture as OpenEXR: R, G, B as 32-bit float, ZIP-compressed, which loses nothing.
 ///
 /// # Errors
+/// [`Error::NotFinite`] for a pixel that is NaN or infinite, which [`read_exr`](super::read_exr) would not read;
 /// [`Error::File`] if the picture is too large for the format.
 pub fn encode_exr(image: &Image) -> Result<Vec<u8>> {
+    check_finite(image)?;
     let (width, height) = (image.width(), image.height());
     // A block's size, and with it either side, is a positive 32-bit number.
     let limit = i32::MAX as usize;
