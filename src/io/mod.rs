@@ -50,7 +50,9 @@ mod primaries;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-pub use self::environment::{load_environment, read_environment};
+pub use self::environment::{
+    EnvironmentLayout, load_environment, load_environment_with, read_environment, read_environment_with,
+};
 pub use self::exr::{encode_exr, read_exr};
 pub use self::gltf::read_gltf;
 pub use self::hdr::{encode_hdr, read_hdr};

@@ -3,6 +3,7 @@
 
 mod colours;
 mod damage;
+mod environments;
 mod exr_files;
 mod exr_peer;
 mod hdr;
