@@ -30,7 +30,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    support::make_folder(&args.out)?;
     support::limit_threads(args.threads)?;
     support::save(&args.out, "affine_m.png", &figure_m::draw())?;
 

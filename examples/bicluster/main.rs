@@ -27,7 +27,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    support::make_folder(&args.out)?;
     support::limit_threads(args.threads)?;
     let (name, meshes) = meshes::meshes(args)?;
     let all: Vec<Measured> = meshes.iter().map(|mesh| Measured::new(mesh, args)).collect::<Result<_, _>>()?;

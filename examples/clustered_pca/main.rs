@@ -31,7 +31,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    support::make_folder(&args.out)?;
     support::limit_threads(args.threads)?;
     let maps = Maps::new(args)?;
     let all = measure::all(&maps, args.seed)?;

@@ -8,6 +8,9 @@ use haarmonic::haar::Keep;
 use haarmonic::io::{MeshOptions, Up, Winding};
 use haarmonic::nalgebra::Vector3;
 
+use crate::support::check_format;
+use crate::support::environment::Layout;
+
 /// A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
 ///
 /// Without arguments: the built-in scene under the built-in sky, all methods, a contact sheet in out/relight.png.
@@ -39,9 +42,13 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["mesh", "scene", "method", "brdf"])]
     pub paper: bool,
 
-    /// Environment: a file (HDR, EXR, PNG; lat-long or cube strip), or the built-in `sky`, `sunset` or `studio`
+    /// Environment: a file (HDR, EXR, PNG; see --env-layout), or the built-in `sky`, `sunset` or `studio`
     #[arg(long, value_name = "FILE|NAME", default_value = "sky")]
     pub env: String,
+
+    /// How directions lie in the picture of --env
+    #[arg(long, value_enum, default_value = "auto")]
+    pub env_layout: Layout,
 
     /// Turn of the environment about +y, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -150,6 +157,14 @@ impl Args {
 
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
+        let files = [
+            ("--out", Some(&self.out), "png"),
+            ("--exr", self.exr.as_ref(), "exr"),
+            ("--out-ply", self.out_ply.as_ref(), "ply"),
+        ];
+        for (option, path, format) in files {
+            path.map_or(Ok(()), |path| check_format(option, path, format))?;
+        }
         if self.frames == Some(0) {
             return Err("--frames must be at least 1".to_owned());
         }

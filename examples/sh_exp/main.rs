@@ -29,7 +29,7 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    std::fs::create_dir_all(&args.out).map_err(|e| format!("{}: cannot be made: {e}", args.out.display()))?;
+    support::make_folder(&args.out)?;
     support::limit_threads(args.threads)?;
     let bar = Bar::new("project visibility");
     let scenes = Scenes::new(args.vectors, args.largest, *scenes::BANDS.end(), &bar)?;

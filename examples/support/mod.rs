@@ -25,6 +25,26 @@ pub fn exit(outcome: Result<(), Failure>) -> ExitCode {
     }
 }
 
+/// Makes the folder of the pictures. What is named like a picture is none: the examples write several, all PNG.
+pub fn make_folder(folder: &Path) -> Result<(), Failure> {
+    let extension = folder.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if ["png", "jpg", "jpeg", "exr", "hdr", "bmp", "gif", "tif", "tiff", "webp"].contains(&extension.as_str()) {
+        return Err(format!("--out is the folder of the pictures, which are PNG; got {}", folder.display()).into());
+    }
+    std::fs::create_dir_all(folder).map_err(|e| format!("{}: cannot be made: {e}", folder.display()))?;
+    Ok(())
+}
+
+/// Refuses a file whose name says another format than the one that an option writes.
+pub fn check_format(option: &str, path: &Path, format: &str) -> Result<(), String> {
+    match path.extension() {
+        Some(extension) if !extension.eq_ignore_ascii_case(format) => {
+            Err(format!("{option} writes {} only; got {}", format.to_ascii_uppercase(), path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Limits the threads of the program, where an option says so.
 pub fn limit_threads(threads: Option<usize>) -> Result<(), Failure> {
     if let Some(threads) = threads {

@@ -6,21 +6,26 @@
 
 use nalgebra::Vector3;
 
-use super::image::{check_size, finish};
+use super::image::{check_finite, check_size, finish};
+use super::primaries::{self, Primaries};
 use super::{Image, Loaded, Report, excerpt};
-use crate::{Error, Result};
+use crate::Result;
 
 /// Reads a Radiance HDR picture from its bytes; `name` is what messages call it.
 ///
 /// A stored pixel (r, g, b, e) is (r, g, b) · 2^(e − 136), and 0 if e = 0. Both run-length codes and all eight
-/// orientations are read. `EXPOSURE` and `COLORCORR` are undone, with a warning, so that pixels are radiance.
+/// orientations are read. `EXPOSURE` and `COLORCORR` are undone, with a warning, so that pixels are radiance; where they
+/// are not positive numbers, they are ignored, with a warning. Pixels of other `PRIMARIES` than those of Rec. 709 are
+/// converted to these, with white adapted (Bradford), and XYZ pixels without (XYZ knows no white), with a warning; a file
+/// without `PRIMARIES` has those of Rec. 709, as nearly all such files do. The resolution ends the header, whether a blank line goes before it,
+/// as the format has it, or none or several.
 ///
 /// # Errors
-/// [`Error::File`] with the line of the header or the scan line and byte offset; XYZ pixels are refused.
+/// [`Error::File`](crate::Error::File) with the line of the header or the scan line and byte offset.
 pub fn read_hdr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
     let mut report = Report::new(name);
     let header = Header::read(bytes, &mut report)?;
-    let Header { major, minor, end, scale } = header;
+    let Header { major, minor, end, scale, primaries } = header;
     let mut stream = Stream { bytes, at: end };
     if bytes.len() - end < 4 * major.length {
         let reason = format!(
@@ -47,7 +52,7 @@ pub fn read_hdr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     let (width, height) = if major.is_y { (minor.length, major.length) } else { (major.length, minor.length) };
     let decode = |p: [u8; 4]| decode(p).component_mul(&scale);
     let in_place = major.is_y && !major.backwards && !minor.backwards;
-    let pixels = if in_place {
+    let mut pixels: Vec<_> = if in_place {
         stored.iter().map(|&p| decode(p)).collect()
     } else {
         let mut pixels = vec![Vector3::zeros(); stored.len()];
@@ -59,6 +64,9 @@ pub fn read_hdr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
         }
         pixels
     };
+    if let Some((place, primaries)) = primaries {
+        primaries.convert(&place, &mut report, &mut pixels);
+    }
     finish(report, width, height, pixels)
 }
 
@@ -83,6 +91,8 @@ struct Header {
     end: usize,
     /// What a stored pixel is multiplied by.
     scale: Vector3<f32>,
+    /// Where the header names primaries, and which.
+    primaries: Option<(String, Primaries)>,
 }
 
 impl Header {
@@ -94,52 +104,105 @@ impl Header {
             return Err(report.error("byte 0", "not a Radiance HDR file: it does not begin with \"#?\""));
         }
         let mut at = 0;
-        let mut scale = Vector3::repeat(1.0_f64);
+        let mut after_blank = false;
+        let mut lines = Lines { scale: Vector3::repeat(1.0), primaries: None, xyz: None };
         for number in 1.. {
             let place = format!("line {number}");
             let length = bytes[at..].iter().position(|&b| b == b'\n');
-            let length = length.ok_or_else(|| report.error(&*place, "the header ends here, before the resolution"))?;
-            let line = bytes[at..at + length].strip_suffix(b"\r").unwrap_or(&bytes[at..at + length]);
-            at += length + 1;
-            let value = |key: &[u8]| line.strip_prefix(key).map(<[u8]>::trim_ascii);
-            if line.is_empty() {
-                let end = at + bytes[at..].iter().position(|&b| b == b'\n').unwrap_or(bytes.len() - at);
-                let (major, minor) = resolution(bytes[at..end].trim_ascii()).ok_or_else(|| {
-                    report.error(
-                        format!("line {}", number + 1),
-                        format!("\"{}\" is not a resolution", excerpt(&bytes[at..end])),
-                    )
-                })?;
-                check_size(report, &format!("line {}", number + 1), minor.length, major.length)?;
-                let scale = scale.cast::<f32>();
-                if !scale.iter().all(|s| s.is_normal() && *s > 0.0) {
-                    return Err(report.error("header", "EXPOSURE and COLORCORR multiply to 0 or infinity"));
-                }
-                return Ok(Self { major, minor, end: (end + 1).min(bytes.len()), scale });
-            } else if let Some(format) = value(b"FORMAT=").filter(|f| *f != b"32-bit_rle_rgbe") {
-                return Err(report
-                    .error(place, format!("pixel format \"{}\"; only 32-bit_rle_rgbe can be read", excerpt(format))));
-            } else if let Some(factor) = value(b"EXPOSURE=") {
-                let factors =
-                    numbers::<1>(factor).ok_or_else(|| report.error(&*place, "EXPOSURE is not a positive number"))?;
-                scale /= factors[0];
-                report.warn(place, format!("pixels divided by EXPOSURE {}", factors[0]));
-            } else if let Some(factors) = value(b"COLORCORR=") {
-                let [r, g, b] =
-                    numbers(factors).ok_or_else(|| report.error(&*place, "COLORCORR is not three positive numbers"))?;
-                scale.component_div_assign(&Vector3::new(r, g, b));
-                report.warn(place, format!("pixels divided by COLORCORR {r} {g} {b}"));
+            // The last line of a file without pixels may lack its end: the resolution is read all the same.
+            let end = length.map_or(bytes.len(), |length| at + length);
+            let line = bytes[at..end].strip_suffix(b"\r").unwrap_or(&bytes[at..end]);
+            if let Some((major, minor)) = resolution(line.trim_ascii()) {
+                check_size(report, &place, minor.length, major.length)?;
+                let scale = lines.usable_scale(report);
+                // XYZ pixels are that whatever the primaries of a picture in RGB were.
+                let primaries = lines.xyz.or(lines.primaries);
+                return Ok(Self { major, minor, end: (end + 1).min(bytes.len()), scale, primaries });
             }
+            let of_header = line.is_empty() || line.starts_with(b"#") || line.contains(&b'=');
+            if after_blank && !of_header {
+                let reason = format!("\"{}\" is not a resolution", excerpt(&bytes[at..end]));
+                return Err(report.error(place, reason));
+            }
+            if length.is_none() {
+                return Err(report.error(place, "the header ends here, before the resolution"));
+            }
+            after_blank |= line.is_empty();
+            lines.take(line, &place, report)?;
+            at = end + 1;
         }
         unreachable!("the loop has no end but its returns")
     }
 }
 
+/// What the lines of a header have said so far.
+struct Lines {
+    scale: Vector3<f64>,
+    primaries: Option<(String, Primaries)>,
+    xyz: Option<(String, Primaries)>,
+}
+
+impl Lines {
+    fn take(&mut self, line: &[u8], place: &str, report: &mut Report) -> Result<()> {
+        let Some(equals) = line.iter().position(|&b| b == b'=') else { return Ok(()) };
+        // Indented lines tell of other programs' headers.
+        let (key, value) = (line[..equals].trim_ascii_end(), line[equals + 1..].trim_ascii());
+        let unusable = |report: &mut Report, what: &str| {
+            report.warn(place, format!("{what}, but \"{}\"; ignored", excerpt(value)));
+        };
+        match key {
+            b"FORMAT" => match value {
+                b"32-bit_rle_rgbe" => self.xyz = None,
+                b"32-bit_rle_xyze" => self.xyz = Some((place.to_owned(), primaries::XYZ)),
+                _ => {
+                    let formats = "only 32-bit_rle_rgbe and 32-bit_rle_xyze can be read";
+                    return Err(report.error(place, format!("pixel format \"{}\"; {formats}", excerpt(value))));
+                }
+            },
+            b"EXPOSURE" => match positive(value) {
+                Some([factor]) => {
+                    self.scale /= factor;
+                    report.warn(place, format!("pixels divided by EXPOSURE {factor}"));
+                }
+                None => unusable(report, "EXPOSURE is not a positive number"),
+            },
+            b"COLORCORR" => match positive(value) {
+                Some([r, g, b]) => {
+                    self.scale.component_div_assign(&Vector3::new(r, g, b));
+                    report.warn(place, format!("pixels divided by COLORCORR {r} {g} {b}"));
+                }
+                None => unusable(report, "COLORCORR is not three positive numbers"),
+            },
+            b"PRIMARIES" => match numbers(value) {
+                Some(numbers) => self.primaries = Some((place.to_owned(), Primaries::new(numbers))),
+                None => unusable(report, "PRIMARIES is not eight numbers"),
+            },
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// What undoes all exposures and corrections, unless that is no number to multiply by.
+    fn usable_scale(&self, report: &mut Report) -> Vector3<f32> {
+        let scale = self.scale.cast::<f32>();
+        if scale.iter().all(|s| s.is_normal() && *s > 0.0) {
+            return scale;
+        }
+        report.warn("header", "EXPOSURE and COLORCORR multiply to 0 or infinity; pixels are as stored");
+        Vector3::repeat(1.0)
+    }
+}
+
 /// Positive finite numbers separated by blanks.
+fn positive<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
+    numbers(text).filter(|n| n.iter().all(|x| x.is_finite() && *x > 0.0))
+}
+
+/// Exactly N numbers separated by blanks.
 fn numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
-    let numbers: Vec<f64> =
-        std::str::from_utf8(text).ok()?.split_ascii_whitespace().map_while(|w| w.parse().ok()).collect();
-    <[f64; N]>::try_from(numbers).ok().filter(|n| n.iter().all(|x| x.is_finite() && *x > 0.0))
+    let numbers: Result<Vec<f64>, _> =
+        std::str::from_utf8(text).ok()?.split_ascii_whitespace().map(str::parse).collect();
+    <[f64; N]>::try_from(numbers.ok()?).ok()
 }
 
 /// Parses "-Y height +X width" and its seven sisters.
@@ -268,11 +331,9 @@ fn encode(pixel: &Vector3<f32>) -> [u8; 4] {
 /// Negative channels become 0; values beyond 255 · 2¹¹⁹ become that, those below 2⁻¹³⁶ become 0.
 ///
 /// # Errors
-/// [`Error::NotFinite`] for a pixel that is NaN or infinite.
+/// [`Error::NotFinite`](crate::Error::NotFinite) for a pixel that is NaN or infinite.
 pub fn encode_hdr(image: &Image) -> Result<Vec<u8>> {
-    if let Some(index) = image.pixels().iter().position(|p| !p.iter().all(|c| c.is_finite())) {
-        return Err(Error::NotFinite { what: "pixel of a picture", index });
-    }
+    check_finite(image)?;
     let (width, height) = (image.width(), image.height());
     let mut out = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
     let mut channel = Vec::with_capacity(width);

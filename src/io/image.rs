@@ -6,8 +6,7 @@ use nalgebra::Vector3;
 
 use super::assemble::plural;
 use super::{
-    Loaded, Report, atomic, encode_exr, encode_hdr, encode_png, encode_png_srgb8, read_exr, read_file, read_hdr,
-    read_png,
+    Loaded, Report, atomic, encode_exr, encode_hdr, encode_png, encode_png_srgb8, exr, read_file, read_hdr, read_png,
 };
 use crate::{Error, Result};
 
@@ -84,6 +83,18 @@ pub fn load_image(path: impl AsRef<Path>) -> Result<Loaded<Image>> {
     read_image(&read_file(path)?, path)
 }
 
+/// A picture with what its file says about its use.
+pub(super) struct Tagged {
+    pub(super) image: Loaded<Image>,
+    pub(super) envmap: Option<exr::Envmap>,
+}
+
+impl From<Loaded<Image>> for Tagged {
+    fn from(image: Loaded<Image>) -> Self {
+        Self { image, envmap: None }
+    }
+}
+
 /// Reads a picture from its bytes; `name` is what messages call it.
 ///
 /// Pixels are radiance: negative ones are set to 0 with a warning that counts them.
@@ -92,12 +103,16 @@ pub fn load_image(path: impl AsRef<Path>) -> Result<Loaded<Image>> {
 /// [`Error::File`] with the place for anything that cannot be read: a format that is none of the three, a pixel that
 /// is NaN or infinite, more than [`Image::MAX_PIXELS`] pixels, a file cut short.
 pub fn read_image(bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded<Image>> {
-    let name = name.as_ref();
+    read_tagged(bytes, name.as_ref()).map(|tagged| tagged.image)
+}
+
+/// As [`read_image`], with what the file says about its use.
+pub(super) fn read_tagged(bytes: &[u8], name: &Path) -> Result<Tagged> {
     match bytes {
         [] => Err(Report::new(name).error("", "the file is empty")),
-        [0x76, 0x2f, 0x31, 0x01, ..] => read_exr(bytes, name),
-        [0x89, b'P', b'N', b'G', ..] => read_png(bytes, name),
-        [b'#', b'?', ..] => read_hdr(bytes, name),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::read_tagged(bytes, name),
+        [0x89, b'P', b'N', b'G', ..] => read_png(bytes, name).map(Tagged::from),
+        [b'#', b'?', ..] => read_hdr(bytes, name).map(Tagged::from),
         _ => Err(Report::new(name).error("byte 0", "not a picture format that can be read: HDR, EXR, PNG")),
     }
 }
@@ -110,6 +125,14 @@ pub(super) fn check_size(report: &Report, place: &str, width: usize, height: usi
         _ => format!("a picture of {width} × {height} pixels; at most 2^27 can be read"),
     };
     Err(report.error(place, reason))
+}
+
+/// Checks that a picture has no pixel that a reader would refuse.
+pub(super) fn check_finite(image: &Image) -> Result<()> {
+    match image.pixels().iter().position(|p| !p.iter().all(|c| c.is_finite())) {
+        Some(index) => Err(Error::NotFinite { what: "pixel of a picture", index }),
+        None => Ok(()),
+    }
 }
 
 /// Checks and repairs the pixels that a reader found.
@@ -167,7 +190,7 @@ pub fn save_png_srgb8(path: impl AsRef<Path>, width: usize, height: usize, pixel
 /// Writes a picture as OpenEXR; see [`encode_exr`].
 ///
 /// # Errors
-/// [`Error::File`] if the file cannot be written.
+/// [`Error::NotFinite`] for a pixel that is NaN or infinite, [`Error::File`] if the file cannot be written.
 pub fn save_exr(path: impl AsRef<Path>, image: &Image) -> Result<()> {
     let path = path.as_ref();
     atomic::write(path, &encode_exr(image).map_err(|e| named(path, e))?)

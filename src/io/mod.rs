@@ -6,7 +6,7 @@
 //! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with float colours | own reader |
 //! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `serde_json`, own reader of what a mesh needs |
 //! | Radiance HDR (RGBE) | yes | yes | own reader and writer |
-//! | OpenEXR, every compression of flat images | yes | yes (lossless ZIP, 32-bit float) | crate `exr` |
+//! | OpenEXR, flat images: every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
 //! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
 //!
 //! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`] that names the file and the
@@ -32,7 +32,8 @@
 //! | a mesh whose z or x axis points up | turned, on demand: [`Up`] |
 //!
 //! # Pictures
-//! Pixels and colours are linear RGB radiance in `f32`; PNG alone is sRGB-encoded.
+//! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others are
+//! converted, with a warning. PNG alone is sRGB-encoded.
 //!
 //! # Example
 //! ```
@@ -63,6 +64,7 @@ mod ply;
 mod ply_out;
 mod png;
 mod polygon;
+mod primaries;
 mod repair;
 mod sides;
 mod split;
@@ -71,7 +73,9 @@ mod winding;
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-pub use self::environment::{load_environment, read_environment};
+pub use self::environment::{
+    EnvironmentLayout, load_environment, load_environment_with, read_environment, read_environment_with,
+};
 pub use self::exr::{encode_exr, read_exr};
 pub use self::gltf::{read_gltf, read_gltf_with};
 pub use self::hdr::{encode_hdr, read_hdr};

@@ -4,17 +4,22 @@ use std::io::Cursor;
 
 use ::image::codecs::png::{PngDecoder, PngEncoder};
 use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
+use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use nalgebra::Vector3;
 
 use super::image::{check_size, finish};
-use super::{Image, Loaded, Report};
+use super::primaries::Primaries;
+use super::{Image, Loaded, Report, excerpt};
 use crate::scene::{linear_to_srgb, srgb_to_linear};
 use crate::{Error, Result};
 
 /// Reads a PNG picture from its bytes; `name` is what messages call it.
 ///
-/// Grey, colour and palette pictures of 1 to 16 bits. Pixels are taken as sRGB-encoded, whatever `gAMA` or an ICC
-/// profile says, and decoded to linear. Alpha is dropped; if any pixel is not opaque, with a warning.
+/// Grey, colour and palette pictures of 1 to 16 bits, decoded to linear. Pixels are sRGB-encoded, unless the file says
+/// otherwise: a `gAMA` other than sRGB's 1/2.2 is undone as a power, and primaries in `cHRM` other than Rec. 709's are
+/// converted to these, both with a warning; an ICC profile that does not call itself sRGB and a `cICP` that is not sRGB
+/// are ignored with a warning. Where there are several, `cICP` goes before `iCCP`, that before `sRGB`, and that before
+/// `gAMA` and `cHRM`. Alpha is dropped; if any pixel is not opaque, with a warning.
 ///
 /// # Errors
 /// [`Error::File`] if the file is damaged, cut short or has more than [`Image::MAX_PIXELS`] pixels.
@@ -48,9 +53,10 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     // 16-bit samples come in the machine's byte order.
     let sample = |s: &[u8]| if wide { u16::from_ne_bytes([s[0], s[1]]) } else { u16::from(s[0]) };
     let full = if wide { u16::MAX } else { 255 };
-    let linear: Vec<f32> = (0..=full).map(|s| srgb_to_linear(f32::from(s) / f32::from(full))).collect();
+    let encoding = Encoding::read(bytes, &mut report);
+    let linear: Vec<f32> = (0..=full).map(|s| encoding.decode(f32::from(s) / f32::from(full))).collect();
     let mut transparent = 0_usize;
-    let pixels = (raw.chunks_exact(channels * size))
+    let mut pixels: Vec<_> = (raw.chunks_exact(channels * size))
         .map(|p| {
             let mut samples = p.chunks_exact(size).map(sample);
             let mut next = || samples.next().unwrap_or(full);
@@ -63,7 +69,105 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     if transparent > 0 {
         report.warn("", format!("alpha dropped; {transparent} pixels are not opaque"));
     }
+    if let Some(primaries) = encoding.primaries {
+        primaries.convert("chunk cHRM", &mut report, &mut pixels);
+    }
     finish(report, width, height, pixels)
+}
+
+/// What the samples of a file mean.
+#[derive(Debug, Default)]
+struct Encoding {
+    /// The power that decodes them, where it is not sRGB's curve.
+    power: Option<f32>,
+    primaries: Option<Primaries>,
+}
+
+impl Encoding {
+    /// Looks through the chunks before the pixels, which the decoder has checked by then.
+    fn read(bytes: &[u8], report: &mut Report) -> Self {
+        let mut found = Self::default();
+        let chunk = |name: &[u8; 4]| Chunks(&bytes[8..]).find(|(n, _)| n == name).map(|(_, data)| data);
+        if let Some(&[primaries, transfer, ..]) = chunk(b"cICP") {
+            // Rec. 709 primaries and the curve of sRGB, as ITU-T H.273 numbers them.
+            if [primaries, transfer] != [1, 13] {
+                let what = format!("primaries {primaries} and curve {transfer}");
+                report.warn("chunk cICP", format!("{what} are not those of sRGB; taken as sRGB all the same"));
+            }
+        } else if let Some(profile) = chunk(b"iCCP") {
+            let name: Vec<u8> = profile.iter().copied().take_while(|b| *b != 0).collect();
+            if !calls_itself_srgb(profile, name.len()) {
+                let name = excerpt(&name);
+                report.warn(
+                    "chunk iCCP",
+                    format!("the colour profile \"{name}\" is ignored; taken as sRGB all the same"),
+                );
+            }
+        } else if chunk(b"sRGB").is_none() {
+            let number = |bytes: &[u8; 4]| f64::from(u32::from_be_bytes(*bytes)) / 1e5;
+            if let Some(gamma) = chunk(b"gAMA").and_then(|data| data.first_chunk()).map(number) {
+                found.power = power(gamma, report);
+            }
+            if let Some((numbers, [])) = chunk(b"cHRM").map(<[u8]>::as_chunks::<4>) {
+                // In the file white is first, then red, green and blue.
+                if let Ok([wx, wy, rgb @ ..]) = <[f64; 8]>::try_from(numbers.iter().map(number).collect::<Vec<_>>()) {
+                    let [rx, ry, gx, gy, bx, by] = rgb;
+                    found.primaries = Some(Primaries::new([rx, ry, gx, gy, bx, by, wx, wy]));
+                }
+            }
+        }
+        found
+    }
+
+    fn decode(&self, sample: f32) -> f32 {
+        match self.power {
+            Some(1.0) => sample,
+            Some(power) => sample.powf(power),
+            None => srgb_to_linear(sample),
+        }
+    }
+}
+
+/// The power that undoes an encoding by `gamma`, unless that stands for sRGB.
+fn power(gamma: f64, report: &mut Report) -> Option<f32> {
+    // sRGB's is written as 45455; some round it to two digits.
+    if (gamma - 1.0 / 2.2).abs() < 0.006 {
+        return None;
+    }
+    // Displays have had 1.0 to 2.8; ten times that is no curve of a picture.
+    if !(0.1..=10.0).contains(&gamma) {
+        report.warn("chunk gAMA", format!("a gamma of {gamma} cannot be; taken as sRGB"));
+        return None;
+    }
+    let curve = if gamma == 1.0 { "linear".to_owned() } else { format!("encoded with the gamma {gamma}, not as sRGB") };
+    report.warn("chunk gAMA", format!("the samples are {curve}; read so"));
+    Some((1.0 / gamma) as f32)
+}
+
+/// Whether the name of an ICC profile, or a description in it, has "sRGB" in it.
+fn calls_itself_srgb(chunk: &[u8], name: usize) -> bool {
+    let has = |bytes: &[u8], text: &[u8]| bytes.windows(text.len()).any(|w| w.eq_ignore_ascii_case(text));
+    // A zero byte and the number of the only method of compression are between name and profile. Profiles of displays
+    // have a few kilobytes; those for printers, which are none of sRGB, can have a megabyte.
+    let profile = chunk.get(name + 2..).and_then(|data| decompress_to_vec_zlib_with_limit(data, 1 << 16).ok());
+    let profile = profile.unwrap_or_default();
+    has(&chunk[..name], b"sRGB") || has(&profile, b"sRGB") || has(&profile, b"s\0R\0G\0B")
+}
+
+/// Names and data of chunks.
+struct Chunks<'a>(&'a [u8]);
+
+impl<'a> Iterator for Chunks<'a> {
+    type Item = ([u8; 4], &'a [u8]);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (&length, rest) = self.0.split_first_chunk()?;
+        let (&name, rest) = rest.split_first_chunk()?;
+        let (data, rest) = rest.split_at_checked(u32::from_be_bytes(length) as usize)?;
+        // Behind the data there are 4 bytes of checksum.
+        self.0 = rest.get(4..)?;
+        (name != *b"IDAT").then_some((name, data))
+    }
 }
 
 /// The bytes of a picture as PNG: 8 bits, sRGB-encoded.

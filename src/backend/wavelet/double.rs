@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::light::ProjectedLight;
+use super::light::{ProjectedLight, in_range, undo};
 use crate::backend::archive;
 use crate::error::check_length;
 use crate::haar::{Keep, MaskedSum, Transform2d, Weighting};
@@ -414,6 +414,8 @@ pub struct DoubleRelighter<'a> {
     transport: &'a DoubleTransport,
     projected: ProjectedLight,
     light: Vec<(u32, [f32; 4])>,
+    /// What the radiance of the vertices is multiplied by: 1, but for lights beyond the range of sums in `f32`.
+    factor: f64,
 }
 
 impl<'a> DoubleRelighter<'a> {
@@ -422,10 +424,11 @@ impl<'a> DoubleRelighter<'a> {
     /// # Errors
     /// [`Error::NotPowerOfTwo`] for a transport whose cube maps are no power of two a side (none that was baked here).
     pub fn new(transport: &'a DoubleTransport) -> Result<Self> {
-        Ok(Self { transport, projected: ProjectedLight::new(transport.grid)?, light: Vec::new() })
+        Ok(Self { transport, projected: ProjectedLight::new(transport.grid)?, light: Vec::new(), factor: 1.0 })
     }
 
     /// Sets the light: radiance on the transport's grid, of which `keep` wavelets are kept, the same for R, G and B.
+    /// Any finite light: the brightest and darkest are scaled by a power of two.
     ///
     /// # Errors
     /// [`Error::Length`] for a light on another grid; what selection refuses.
@@ -435,8 +438,10 @@ impl<'a> DoubleRelighter<'a> {
         keep: Keep,
         weighting: Weighting<'_, f32>,
     ) -> Result<()> {
-        self.projected.set(light)?;
+        let (light, factor) = in_range(light);
+        self.projected.set(&light)?;
         let kept = self.projected.select(keep, weighting)?;
+        self.factor = factor;
         self.light.clear();
         for &i in kept[0].indices() {
             let [r, g, b] = self.projected.coefficient(i as usize);
@@ -450,7 +455,7 @@ impl<'a> DoubleRelighter<'a> {
         self.light.len()
     }
 
-    /// The radiance that each vertex sends to the view it was baked for.
+    /// The radiance that each vertex sends to the view it was baked for; finite (at most [`f32::MAX`]).
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -459,6 +464,7 @@ impl<'a> DoubleRelighter<'a> {
         let block = |sums: &mut Vec<[f32; 4]>, block: &Block, out: &mut [Vector3<f32>]| {
             out.fill(Vector3::zeros());
             block.add_radiance(&self.light, sums, out);
+            undo(self.factor, out);
         };
         #[cfg(feature = "rayon")]
         self.transport

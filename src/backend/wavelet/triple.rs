@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use super::light::ProjectedLight;
+use super::light::{ProjectedLight, in_range, undo};
 use super::slices::{SliceSampler, SliceTable};
 use crate::backend::archive;
 use crate::error::check_length;
@@ -139,6 +139,8 @@ pub struct TripleRelighter<'a> {
     weighting: Weighting<'a, f32>,
     projected: ProjectedLight,
     light: Light,
+    /// What the radiance of the vertices is multiplied by: 1, but for lights beyond the range of sums in `f32`.
+    factor: f64,
     product: TripleProduct,
     /// The visibility's words in Morton order, for tabulated slices only.
     morton: Vec<u64>,
@@ -185,6 +187,7 @@ impl<'a> TripleRelighter<'a> {
             weighting,
             projected: ProjectedLight::new(grid)?,
             light: Light::default(),
+            factor: 1.0,
             product: TripleProduct::new(grid.side())?,
             morton,
             table,
@@ -192,13 +195,16 @@ impl<'a> TripleRelighter<'a> {
         })
     }
 
-    /// Sets the light: radiance on the transport's grid.
+    /// Sets the light: radiance on the transport's grid. Any finite light: the brightest and darkest are scaled by a power
+    /// of two.
     ///
     /// # Errors
     /// As [`ProjectedLight::set`] and [`Selection`](crate::haar::Selection).
     pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
-        self.projected.set(light)?;
+        let (light, factor) = in_range(light);
+        self.projected.set(&light)?;
         let kept = self.projected.select(self.settings.light_terms, self.weighting)?;
+        self.factor = factor;
         self.light.terms = kept[0].nnz();
         self.light.texels = self.projected.texels_of(&kept);
         if let Slices::Tabulated(_) = self.settings.slices {
@@ -224,7 +230,8 @@ impl<'a> TripleRelighter<'a> {
         self.table.bytes()
     }
 
-    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black.
+    /// The radiance that each vertex sends towards the viewer; finite (at most [`f32::MAX`]). Vertices without light (none
+    /// was set) are black.
     ///
     /// # Errors
     /// [`Error::Length`] if the materials do not fit the mesh; what the choice of a slice's terms refuses.
@@ -239,9 +246,11 @@ impl<'a> TripleRelighter<'a> {
             return Ok(());
         }
         match self.settings.slices {
-            Slices::Sampled => self.relight_sampled(view, materials, out),
-            Slices::Tabulated(_) => self.relight_tabulated(view, materials, out),
+            Slices::Sampled => self.relight_sampled(view, materials, out)?,
+            Slices::Tabulated(_) => self.relight_tabulated(view, materials, out)?,
         }
+        undo(self.factor, out);
+        Ok(())
     }
 
     fn relight_sampled(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
