@@ -45,7 +45,10 @@ pub(in crate::scene) fn volume<T: Number>(a: [T; 3], e: [T; 3], f: [T; 3], abs: 
 }
 
 /// One `f32` or a register of them.
-pub(in crate::scene) trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+pub(in crate::scene) trait Number:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
+{
+}
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Number for T {}
 

@@ -50,7 +50,8 @@ impl Ray {
         for k in 0..3 {
             let (low, high) = (f64::from(node.bounds.low[k]), f64::from(node.bounds.high[k]));
             let (first, last) = if self.inverse[k] > 0.0 { (low, high) } else { (high, low) };
-            let (enter, leave) = ((first - self.origin[k]) * self.inverse[k], (last - self.origin[k]) * self.inverse[k]);
+            let (enter, leave) =
+                ((first - self.origin[k]) * self.inverse[k], (last - self.origin[k]) * self.inverse[k]);
             near = if enter > near { enter } else { near };
             far = if leave < far { leave } else { far };
         }

@@ -289,7 +289,10 @@ mod tests {
                 let nodes = build(&mut items);
                 let (depth, passes) = work(&nodes);
                 let halvings = (n as f64).log2();
-                assert!(depth <= MAX_DEPTH && passes <= 3.0 * halvings + 1.0, "{name}, {n}: {depth} deep, {passes} passes");
+                assert!(
+                    depth <= MAX_DEPTH && passes <= 3.0 * halvings + 1.0,
+                    "{name}, {n}: {depth} deep, {passes} passes"
+                );
                 let mut seen = vec![false; n];
                 for node in &nodes {
                     if node.is_leaf() {

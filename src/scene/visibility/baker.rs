@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
 
+use super::fractional::check_samples;
 use super::live::LiveRays;
 use super::origin::origins;
 use super::trace::{TraceFace, View, Waiting, centre, occluded};
@@ -275,19 +276,13 @@ impl VisibilityBaker {
     /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples` is at
     /// most [`CubeGrid::MAX_SIDE`].
     pub fn bake_fractional(&self, samples: usize, progress: &impl Progress) -> Result<FractionalVisibility> {
-        if !(1..=15).contains(&samples) {
-            return Err(Error::OutOfRange {
-                what: "visibility samples along a texel's edge",
-                got: samples as f64,
-                allowed: "in 1…15",
-            });
-        }
+        check_samples(samples)?;
         let fine = self.with_grid(CubeGrid::new(self.grid.side() * samples)?);
         let counts = fine.fill(self.grid.len(), progress, |vertex, counts, scratch| {
             let per_face = self.grid.face_len();
             fine.trace(vertex, scratch, |face, live| live.count(samples, &mut counts[face * per_face..][..per_face]));
         })?;
-        Ok(FractionalVisibility::from_counts(self.grid, samples, counts))
+        Ok(FractionalVisibility::from_parts(self.grid, samples, counts))
     }
 
     /// Runs `one` for every vertex on its `per_vertex` elements of one zeroed list.
