@@ -104,36 +104,37 @@ fn where_rays_start_does_not_show() {
     let n = body.positions().len();
     let with = |other: Mesh| Mesh::merge([&body, &other]).unwrap();
     let scaled = |s: f32| mapped(&body, |p| p * s);
-    // The share of wrong texels that was measured, times five; one texel of 37,000 is 2.7e-5.
+    // Measured: none wrong. 3e-5 is one texel of 38,000.
     let cases = [
-        ("alone", body.clone(), 1.4e-4),
-        ("far 1e4", with(far_triangle(1e4)), 1.4e-4),
-        ("far 1e7", with(far_triangle(1e7)), 1.4e-4),
-        ("far 1e12", with(far_triangle(1e12)), 1.4e-4),
-        ("ground 10", with(ground(-0.41, 10.0)), 1.4e-4),
-        ("ground 1e3", with(ground(-0.41, 1e3)), 1.4e-4),
-        ("ground 1e5", with(ground(-0.41, 1e5)), 1.4e-4),
-        ("ground 1e7", with(ground(-0.41, 1e7)), 1.4e-4),
-        ("ground that touches", with(ground(-0.4, 1e5)), 1.4e-4),
-        ("size 1e-6", scaled(1e-6), 1.4e-4),
-        ("size 1e-20", scaled(1e-20), 1.4e-4),
-        ("size 1e-38", scaled(1e-38), 1.4e-4),
-        ("size 1e30", scaled(1e30), 1.4e-4),
-        ("size 1e38", scaled(1e38), 1.4e-4),
-        ("at 100", mapped(&body, |p| p + V::new(100.0, -50.0, 30.0)), 1.4e-4),
-        // Coordinates are rounded to 1e-3 there: rays start up to .004 from a tube of radius .4.
-        ("at 1e4", mapped(&body, |p| p + V::new(1e4, -5e3, 3e3)), 2e-2),
+        ("alone", body.clone(), 3e-5),
+        ("far 1e4", with(far_triangle(1e4)), 3e-5),
+        ("far 1e7", with(far_triangle(1e7)), 3e-5),
+        ("far 1e12", with(far_triangle(1e12)), 3e-5),
+        ("ground 10", with(ground(-0.41, 10.0)), 3e-5),
+        ("ground 1e3", with(ground(-0.41, 1e3)), 3e-5),
+        ("ground 1e5", with(ground(-0.41, 1e5)), 3e-5),
+        ("ground 1e7", with(ground(-0.41, 1e7)), 3e-5),
+        ("ground that touches", with(ground(-0.4, 1e5)), 3e-5),
+        ("size 1e-6", scaled(1e-6), 3e-5),
+        ("size 1e-20", scaled(1e-20), 3e-5),
+        ("size 1e-38", scaled(1e-38), 3e-5),
+        ("size 1e30", scaled(1e30), 3e-5),
+        ("size 1e38", scaled(1e38), 3e-5),
+        ("at 100", mapped(&body, |p| p + V::new(100.0, -50.0, 30.0)), 3e-5),
+        // Coordinates are rounded to 1e-3 there, so rays start up to .004 from a tube of radius .4. Measured: 7.3e-4.
+        ("at 1e4", mapped(&body, |p| p + V::new(1e4, -5e3, 3e3)), 3e-3),
     ];
     for (name, mesh, allowed) in cases {
         let share = wrong(&mesh, n, 4);
         println!("{name}: {share:.1e}");
         assert!(share <= allowed, "{name}: {share:e}");
     }
-    for scene in Procedural::ALL {
+    // Measured: 1.9e-4 for the relief, none for the others. Not the table, whose legs end in it to a rounding: infinitely near they start on either side of that.
+    for scene in [Procedural::TorusKnotOnFloor, Procedural::StackedSpheres, Procedural::BasRelief] {
         let mesh = scene.build(1_000).unwrap().mesh;
-        let share = wrong(&mesh, mesh.positions().len(), 53);
+        let share = wrong(&mesh, mesh.positions().len(), 37);
         println!("{}: {share:.1e}", scene.name());
-        assert!(share <= 5e-4, "{}: {share:e}", scene.name());
+        assert!(share <= 9e-4, "{}: {share:e}", scene.name());
     }
 }
 
@@ -158,7 +159,8 @@ fn long_faces_at_a_vertex_do_not_harm_it() {
         let mesh = Mesh::new(positions, faces).unwrap();
         assert!(mesh.normals()[9].y > 0.9);
         let share = wrong(&mesh, 13, 1);
-        assert!(share <= 1e-3, "{size}: {share:e}");
+        println!("{size:e}: {share:.1e}");
+        assert!(share <= 1e-4, "{size}: {share:e}");
     }
 }
 
@@ -177,7 +179,7 @@ fn light_is_right_whatever_the_scene() {
     for distance in [1e4, 1e5, 1e6, 1e7, 1e10] {
         let mesh = Mesh::merge([&body, &far_triangle(distance)]).unwrap();
         let baked = shade(&mesh, &bake(&mesh, 16));
-        // The twin's rays do not start where the baker's do.
+        // The twin's rays do not start where the baker's do. Measured: no texel differs; one would be 2e-4.
         let per_face = BinaryVisibility::words_per_face(grid(16));
         let twin = BinaryVisibility::from_fn(grid(16), mesh.positions().len(), |vertex, words| {
             for texel in (0..grid(16).len()).filter(|_| vertex < n) {
@@ -189,7 +191,7 @@ fn light_is_right_whatever_the_scene() {
         });
         let error = rel_l2(&shade(&mesh, &twin), &baked).unwrap();
         println!("{distance:e}: {error:.1e}, without the triangle {:.1e}", rel_l2(&alone, &baked).unwrap());
-        assert!(error <= 1e-3, "{distance:e}: {error}");
+        assert!(error <= 2e-4, "{distance:e}: {error}");
         // The triangle itself hides a few texels.
         assert!(rel_l2(&alone, &baked).unwrap() <= 1e-2);
     }
