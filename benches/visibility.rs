@@ -7,7 +7,6 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use glam::Vec3A;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Model, Procedural, VisibilityBaker, VisibilitySettings};
 use haarmonic::sphere::CubeGrid;
@@ -62,9 +61,10 @@ fn visibility(c: &mut Criterion) {
             });
         });
 
-        let vec3a = |v: &Vector3<f64>| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
+        // The peer's own vectors, whichever glam it has.
+        let array = |v: &Vector3<f64>| [v.x as f32, v.y as f32, v.z as f32];
         let triangle = |f: usize| {
-            let [v0, v1, v2] = model.mesh.corners(f).map(|p| vec3a(&p.cast()));
+            let [v0, v1, v2] = model.mesh.corners(f).map(|p| array(&p.cast()).into());
             Triangle { v0, v1, v2 }
         };
         let triangles: Vec<_> = (0..model.mesh.faces().len()).map(triangle).collect();
@@ -74,7 +74,7 @@ fn visibility(c: &mut Criterion) {
             b.iter(|| {
                 let hits = |(origin, directions): &(Vector3<f64>, Vec<Vector3<f64>>)| {
                     let hit = |d: &&Vector3<f64>| {
-                        let ray = Ray::new_inf(vec3a(origin), vec3a(d));
+                        let ray = Ray::new_inf(array(origin).into(), array(d).into());
                         !peer.ray_traverse_miss(ray, |ray, i| triangles[i].intersect(ray))
                     };
                     directions.iter().filter(hit).count()

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use haarmonic::nalgebra::{Rotation3, Vector3};
 use haarmonic::reference::scene as naive;
-use haarmonic::scene::{BackFaces, BinaryVisibility, Mesh, Procedural, VisibilityBaker, VisibilitySettings};
+use haarmonic::scene::{
+    BackFaces, BinaryVisibility, FractionalVisibility, Mesh, Procedural, VisibilityBaker, VisibilitySettings,
+};
 use haarmonic::sphere::CubeGrid;
 use haarmonic::{Error, Progress};
 use proptest::prelude::*;
@@ -93,13 +95,10 @@ fn sphere(centre: V, radius: f32, n: u32) -> Mesh {
 
 /// How near a ray passes by the plane through its origin and an edge of any face, in units of what `f32` may confuse.
 ///
-/// That is 20 roundings of the terms of the edge function (12 of widening, 8 of error), and those of the positions in scene
-/// units: a corner and the origin are rounded by u times half the scene each, their difference once more, in each of three
-/// coordinates, and an edge is the difference of two such: 9 with e and 19 with m.
+/// That is 20 roundings of the terms of the edge function (12 of widening, 8 of error). Positions are not rounded.
 fn nearest_edge(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>) -> f64 {
     let u = f64::from(f32::EPSILON) * 0.5;
     let direction = direction / direction.amax();
-    let radius = mesh.bounds().size().max();
     let mut nearest = f64::INFINITY;
     for face in 0..mesh.faces().len() {
         let corners = mesh.corners(face).map(|p| p.cast::<f64>() - origin);
@@ -108,8 +107,7 @@ fn nearest_edge(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>) ->
             let (m, e) = (if b.norm() < a.norm() { b } else { a }, b - a);
             let terms = m.abs().cross(&e.abs()).abs().sum()
                 + 2.0 * (0..3).map(|i| (m[i] * e[(i + 1) % 3]).abs().min((m[(i + 1) % 3] * e[i]).abs())).sum::<f64>();
-            let allowed = u * (20.0 * terms + radius * (19.0 * m.norm() + 9.0 * e.norm()));
-            nearest = nearest.min(m.cross(&e).dot(&direction).abs() / allowed);
+            nearest = nearest.min(m.cross(&e).dot(&direction).abs() / (20.0 * u * terms));
         }
     }
     nearest
@@ -449,6 +447,40 @@ fn settings_and_words_are_checked() {
     assert!(matches!(BinaryVisibility::new(grid(8), vec![0; 7]), Err(Error::Length { expected: 12, got: 7, .. })));
     assert!(matches!(BinaryVisibility::new(grid(3), vec![1 << 9; 6]), Err(Error::OutOfRange { .. })));
     assert!(BinaryVisibility::new(grid(3), vec![0x1ff; 6]).is_ok());
+}
+
+#[test]
+fn soft_visibility_of_others_comes_in() {
+    let mesh = Procedural::StackedSpheres.build(1_000).unwrap().mesh;
+    for (side, samples) in [(1, 1), (4, 3), (3, 15)] {
+        let baked = baker(&mesh, side).bake_fractional(samples, &()).unwrap();
+        let counts = FractionalVisibility::from_counts(grid(side), samples, baked.counts().to_vec());
+        assert_eq!(counts.as_ref(), Ok(&baked));
+        let values: Vec<f32> = (0..baked.vertices()).flat_map(|v| baked.values(v)).collect();
+        assert_eq!(FractionalVisibility::from_values(grid(side), samples, &values).as_ref(), Ok(&baked));
+    }
+    let of = |samples: usize, values: &[f32]| FractionalVisibility::from_values(grid(1), samples, values);
+    let levels = of(2, &[0.0, 0.12, 0.13, 0.5, 0.88, 1.0]).unwrap();
+    assert_eq!(levels.vertex(0), [0, 0, 1, 2, 4, 4]);
+    assert_eq!(of(15, &[f32::MIN_POSITIVE, -0.0, 1e-45, 1.0 - 1e-7, 0.5, 1.0]).unwrap().counts()[3], 225);
+    assert_eq!(of(3, &[]).unwrap().vertices(), 0);
+    for (k, bad) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].into_iter().enumerate() {
+        let mut values = [0.5; 12];
+        values[k + 5] = bad;
+        assert_eq!(of(4, &values), Err(Error::NotFinite { what: "visibility of a texel", index: k + 5 }));
+    }
+    for bad in [-1e-45, 1.000_001, f32::MAX] {
+        assert!(matches!(of(4, &[0.0, 1.0, bad, 0.0, 0.0, 0.0]), Err(Error::OutOfRange { .. })), "{bad}");
+    }
+    assert!(matches!(of(4, &[0.0; 7]), Err(Error::Length { expected: 12, got: 7, .. })));
+    let counts = |samples: usize, count: u8| FractionalVisibility::from_counts(grid(1), samples, vec![count; 6]);
+    assert!(counts(4, 16).is_ok() && counts(15, 225).is_ok());
+    assert!(matches!(counts(4, 17), Err(Error::OutOfRange { got: 17.0, .. })));
+    for samples in [0, 16, usize::MAX] {
+        assert!(matches!(counts(samples, 0), Err(Error::OutOfRange { .. })));
+        assert!(matches!(of(samples, &[0.0; 6]), Err(Error::OutOfRange { .. })));
+    }
+    assert!(matches!(FractionalVisibility::from_counts(grid(1), 2, vec![0; 5]), Err(Error::Length { .. })));
 }
 
 #[cfg(feature = "rayon")]

@@ -23,7 +23,7 @@ pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
-pub use light::{EnvironmentLight, Sky, SoftBox, Sun};
+pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
 pub use material::Materials;
 pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};

@@ -97,7 +97,7 @@ fn errors_stay_within_the_tolerance() {
         (16, 0.05, Basis::Polynomial),
         (16, 0.4, Basis::Polynomial),
     ] {
-        let transport = Transport::from_binary(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
+        let transport = Transport::from_clipped(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
         let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), basis };
         let mut relighter = Relighter::new(&model.mesh, &transport, settings).unwrap();
         let mut radiance = vec![Vector3::zeros(); vertices];
@@ -121,7 +121,7 @@ fn a_larger_tolerance_is_a_larger_error_and_fewer_pixels() {
     let materials = Materials::uniform(Phong::new([0.7; 3], 60.0).unwrap());
     let baker = baker(&model.mesh, 64);
     let maps = baker.bake(&()).unwrap();
-    let transport = Transport::from_binary(&maps, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
     let light = sky(64);
     let shot =
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
@@ -146,7 +146,7 @@ fn the_default_is_better_than_45_db() {
     let lobes = exponents.map(|exponent| lobe(Phong::new([0.8, 0.6, 0.4], exponent).unwrap()));
     let materials = in_turn(&lobes, model.mesh.positions().len());
     let maps = baker(&model.mesh, 64).bake(&()).unwrap();
-    let transport = Transport::from_binary(&maps, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
     let light = sky(64);
     let shot =
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
@@ -202,7 +202,7 @@ proptest! {
         };
         let cut = patchwork(32, block, seed);
         let maps = above(&mesh, 32, |v, texel| noise(seed + v) < 0.3 || cut(v, texel));
-        let transport = Transport::from_binary(&maps, &layout(32, block, ScanOrder::Hilbert)).unwrap();
+        let transport = Transport::from_clipped(&maps, &layout(32, block, ScanOrder::Hilbert)).unwrap();
         let shot = Shot { mesh: &mesh, maps: &maps, transport: &transport, view: view(), materials: &materials, light: &light };
         let worst = shot.worst(tolerance, basis);
         prop_assert!(worst <= 1.0, "{} of what is allowed", worst);
@@ -214,7 +214,7 @@ proptest! {
 fn needles_are_not_lost() {
     let mesh = soup(40);
     let maps = above(&mesh, 64, |_, _| true);
-    let transport = Transport::from_binary(&maps, &layout(64, 32, ScanOrder::Hilbert)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(64, 32, ScanOrder::Hilbert)).unwrap();
     let materials = Materials::uniform(Phong::new([0.9, 0.3, 0.6], 3e4).unwrap());
     for tolerance in [0.005, 0.05, 0.5] {
         for seed in 0..4 {
@@ -239,7 +239,7 @@ fn brightness_does_not_matter() {
     let mesh = soup(20);
     let materials = in_turn(&[lobe(Phong::new([0.5; 3], 40.0).unwrap()), lobe(Lambert::new([0.9; 3]).unwrap())], 60);
     let maps = above(&mesh, 32, patchwork(32, 16, 3));
-    let transport = Transport::from_binary(&maps, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
     let light = sky(32);
     for rule in [Rule::Pixels, Rule::Fixed { sound: true }, Rule::default()] {
         let settings = Settings { rule, ..Settings::default() };
@@ -260,7 +260,7 @@ fn brightness_does_not_matter() {
 fn tolerances_that_are_none_are_refused() {
     let (mesh, more) = (soup(1), soup(2));
     let maps = above(&mesh, 8, |_, _| true);
-    let transport = Transport::from_binary(&maps, &layout(8, 8, ScanOrder::RowMajor)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(8, 8, ScanOrder::RowMajor)).unwrap();
     let relighter = |tolerance: f64| {
         let settings = Settings { rule: Rule::Bounded { tolerance }, ..Settings::default() };
         Relighter::new(&mesh, &transport, settings).map(|_| ())

@@ -160,7 +160,7 @@ fn every_side_and_block() {
         let shot = Shot { mesh: &mesh, view: view(), light: noisy(side, side) };
         for block in blocks {
             let maps = above(&mesh, side, patchwork(side, block, side));
-            let transport = Transport::from_binary(&maps, &layout(side, block, ScanOrder::Hilbert)).unwrap();
+            let transport = Transport::from_clipped(&maps, &layout(side, block, ScanOrder::Hilbert)).unwrap();
             let what = format!("{side}/{block}");
             shot.check(&TexelVisibility::Binary(&maps), &transport, &all(), &[PIXELS], &what);
         }
@@ -181,7 +181,7 @@ fn extreme_lobes(rules: &[Rule]) {
     ];
     for block in [8, 16, 32] {
         let maps = above(&mesh, 32, |_, _| true);
-        let transport = Transport::from_binary(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
+        let transport = Transport::from_clipped(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
         let shot = Shot { mesh: &mesh, view: view(), light: noisy(32, 9) };
         shot.check(&TexelVisibility::Binary(&maps), &transport, &lobes, rules, &format!("blocks of {block}²"));
     }

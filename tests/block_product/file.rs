@@ -12,7 +12,7 @@ use crate::support::{ORDERS, baker, layout, noise, patchwork, soup, visibility};
 
 fn binary(side: usize, block: usize, vertices: usize, order: ScanOrder) -> Transport {
     let cut = patchwork(side, block, 5);
-    Transport::from_binary(&visibility(side, vertices, cut), &layout(side, block, order)).unwrap()
+    Transport::from_clipped(&visibility(side, vertices, cut), &layout(side, block, order)).unwrap()
 }
 
 fn gray(side: usize, block: usize, bits: u32) -> Transport {
@@ -82,7 +82,7 @@ fn several_sections_are_one_transport() {
     for vertices in [0, 1, 4095, 4096, 4097, 8192, 9000] {
         let sees = |v: usize, texel: usize| noise(v) < 0.3 || (noise(v) < 0.8 && texel > v % 384);
         let maps = visibility(8, vertices, sees);
-        round_trip(&Transport::from_binary(&maps, &layout(8, 8, ScanOrder::Serpentine)).unwrap(), &path);
+        round_trip(&Transport::from_clipped(&maps, &layout(8, 8, ScanOrder::Serpentine)).unwrap(), &path);
     }
     let mesh = Procedural::BasRelief.build(5000).unwrap().mesh;
     assert!(mesh.positions().len() > 4096);

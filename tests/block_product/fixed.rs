@@ -126,7 +126,7 @@ fn the_fixed_rule_is_algorithm_1() {
     ] {
         let cut = patchwork(side, block, 11 * side + block);
         let maps = visibility(side, vertices, &cut);
-        let transport = Transport::from_binary(&maps, &layout(side, block, order)).unwrap();
+        let transport = Transport::from_clipped(&maps, &layout(side, block, order)).unwrap();
         let sees = |v: usize, texel: usize| f64::from(u8::from(cut(v, texel)));
         let light = noisy(side, 4);
         let weighted = twin::weighted(&light);

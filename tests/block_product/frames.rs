@@ -188,7 +188,7 @@ fn a_frame_of_another_length_panics() {
 fn counts_are_of_all_blocks() {
     let mesh = soup(40);
     let maps = above(&mesh, 32, patchwork(32, 16, 8));
-    let transport = Transport::from_binary(&maps, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
+    let transport = Transport::from_clipped(&maps, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
     let materials = mixed(120);
     // Vertices that are shaded, and blocks of them that are not hidden.
     let shaded: Vec<usize> = (0..120)

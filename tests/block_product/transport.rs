@@ -45,7 +45,7 @@ fn binary_maps_come_back_bit_for_bit() {
             _ => cut(v, texel),
         });
         for order in ORDERS {
-            let transport = Transport::from_binary(&maps, &layout(side, block, order)).unwrap();
+            let transport = Transport::from_clipped(&maps, &layout(side, block, order)).unwrap();
             holds(&transport, &maps, &format!("{side}/{block} {order:?}"));
         }
     }
@@ -57,7 +57,7 @@ proptest! {
     #[test]
     fn any_bits_come_back(bits in run_map(6 * 32 * 32), block in prop::sample::select(vec![8_usize, 16, 32]), order in 0..3_usize) {
         let maps = visibility(32, 1, |_, texel| bits[texel]);
-        let transport = Transport::from_binary(&maps, &layout(32, block, ORDERS[order])).unwrap();
+        let transport = Transport::from_clipped(&maps, &layout(32, block, ORDERS[order])).unwrap();
         let expected: Vec<f32> = bits.iter().map(|&bit| f32::from(u8::from(bit))).collect();
         prop_assert_eq!(decoded(&transport, 0), expected);
     }
@@ -140,7 +140,8 @@ fn baked_is_what_a_baked_map_becomes() {
         for order in ORDERS {
             let layout = layout(side, block, order);
             let transport = Transport::bake(&baker, &layout, &()).unwrap();
-            assert_eq!(transport, Transport::from_binary(&maps, &layout).unwrap());
+            assert_eq!(transport, Transport::from_clipped(&maps, &layout).unwrap());
+            assert_eq!(transport, Transport::from_binary(&maps, &mesh, &layout).unwrap());
             holds(&transport, &maps, &format!("{side}/{block}"));
         }
     }
@@ -181,13 +182,33 @@ fn gray_maps_are_rounded_to_levels_and_hidden_below_the_horizon() {
     assert!(in_between > 10_000, "only {in_between} texels between hidden and free");
 }
 
+/// Whatever is visible below a horizon is cut off, so that maps of any origin give the light of clipped ones.
+#[test]
+fn maps_of_others_end_at_the_horizon() {
+    let mesh = soup(20);
+    for (side, block) in [(16, 8), (32, 32), (48, 16)] {
+        let layout = layout(side, block, ScanOrder::Serpentine);
+        let cut = patchwork(side, block, 9);
+        for full in [true, false] {
+            let sees = |v: usize, texel: usize| full || cut(v, texel);
+            let whole = visibility(side, mesh.positions().len(), sees);
+            let clipped = Transport::from_clipped(&above(&mesh, side, sees), &layout).unwrap();
+            assert_ne!(clipped, Transport::from_clipped(&whole, &layout).unwrap());
+            assert_eq!(clipped, Transport::from_binary(&whole, &mesh, &layout).unwrap());
+        }
+    }
+    let (maps, few) = (visibility(16, 4, |_, _| true), soup(1));
+    let got = Transport::from_binary(&maps, &few, &layout(16, 8, ScanOrder::RowMajor));
+    assert!(matches!(got, Err(Error::Length { expected: 3, got: 4, .. })));
+}
+
 #[test]
 fn uniform_maps_cost_nothing_or_one_change() {
     for (side, block) in SIZES {
         let layout = layout(side, block, ScanOrder::Serpentine);
         for full in [false, true] {
             let maps = visibility(side, 3, |_, _| full);
-            let stats = Transport::from_binary(&maps, &layout).unwrap().stats();
+            let stats = Transport::from_clipped(&maps, &layout).unwrap().stats();
             let blocks = 3 * layout.blocks();
             assert_eq!((stats.vertices, stats.blocks, stats.coded.maps), (3, layout.blocks(), blocks));
             let (zero, one) = if full { (0, blocks) } else { (blocks, 0) };
@@ -259,7 +280,7 @@ fn what_does_not_fit_is_refused() {
     out_of_range(Transport::bake(&fine, &layout, &()), "baker's cube map");
     out_of_range(Transport::bake_gray(&fine, &mesh, &layout, (2, 4), &()), "baker's cube map");
     let maps = above(&mesh, 16, |_, _| true);
-    out_of_range(Transport::from_binary(&maps, &layout), "visibility's cube map");
+    out_of_range(Transport::from_clipped(&maps, &layout), "visibility's cube map");
     let counts = fine.bake_fractional(2, &()).unwrap();
     out_of_range(Transport::from_fractional(&counts, &mesh, 4, &layout), "visibility's cube map");
 

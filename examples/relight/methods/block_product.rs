@@ -78,7 +78,7 @@ fn bake(stage: &Stage) -> Result<(Transport, f64), Failure> {
     let layout = BlockLayout::new(stage.grid, stage.args.block(), ScanOrder::Serpentine)?;
     let Some(bits) = stage.args.visibility_bits else {
         let bar = Bar::new("block-product: coding");
-        let transport = Transport::from_binary(stage.visibility, &layout)?;
+        let transport = Transport::from_binary(stage.visibility, &stage.scene.mesh, &layout)?;
         return Ok((transport, stage.visibility_s + bar.finish()));
     };
     let bar = Bar::new("block-product: gray visibility");

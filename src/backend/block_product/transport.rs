@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
@@ -11,7 +12,7 @@ use super::layout::BlockLayout;
 use super::paths::Paths;
 use crate::compress::{BinaryMaps, GrayMaps, RunStats};
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
-use crate::sphere::CubeGrid;
+use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Progress, Result};
 
 /// The visibility around every vertex of a static scene: for each block of the cube map the places where it changes
@@ -124,12 +125,34 @@ impl Transport {
         })
     }
 
-    /// Codes binary visibility that is there, as [`VisibilityBaker`] makes it: nothing below the horizon of a vertex's normal. What is
-    /// visible there all the same would take light away, because cosines go on below the horizon.
+    /// Codes binary visibility that is there, of whatever origin; `mesh` has the normals.
+    ///
+    /// A texel whose centre is not above the horizon of its vertex reflects nothing and counts as hidden; of maps that
+    /// [`VisibilityBaker`] has made, none is.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    pub fn from_binary(visibility: &BinaryVisibility, mesh: &Mesh, layout: &BlockLayout) -> Result<Self> {
+        check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
+        check_vertices(mesh, visibility.vertices())?;
+        let centres: Vec<f64> = (0..layout.grid().side()).map(|i| layout.grid().centre(i)).collect();
+        let scratch = || (BitCutter::new(layout), Vec::new());
+        binary(layout, visibility.vertices(), &(), scratch, |vertex, (cutter, words)| {
+            words.clear();
+            words.extend_from_slice(visibility.vertex(vertex));
+            clip(words, &mesh.normals()[vertex].cast(), &centres);
+            (cutter, words)
+        })
+    }
+
+    /// As [`from_binary`](Self::from_binary) of maps that end at the horizon of their vertex's normal already, as those of
+    /// [`VisibilityBaker`] do: they are coded as they are.
+    ///
+    /// What is visible below the horizon all the same takes light away, because cosines go on there: a relit vertex gets black.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes.
-    pub fn from_binary(visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
+    pub fn from_clipped(visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
         check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
         let scratch = || (BitCutter::new(layout), Vec::new());
         binary(layout, visibility.vertices(), &(), scratch, |vertex, (cutter, words)| {
@@ -252,6 +275,25 @@ fn check_grid(what: &'static str, got: CubeGrid, layout: CubeGrid) -> Result<()>
 fn check_vertices(mesh: &Mesh, got: usize) -> Result<()> {
     let expected = mesh.positions().len();
     if got == expected { Ok(()) } else { Err(Error::Length { what: "visibility maps", expected, got }) }
+}
+
+/// Hides what is not above the plane of a normal, in the words of a vertex: by the baker's own predicate, to the bit.
+fn clip(words: &mut [u64], normal: &Vector3<f64>, centres: &[f64]) {
+    let (side, per_face) = (centres.len(), words.len() / 6);
+    for (face, words) in Face::ALL.into_iter().zip(words.chunks_exact_mut(per_face)) {
+        let n = face.axes().map(|axis| Vector3::from(axis).dot(normal));
+        for (w, word) in words.iter_mut().enumerate() {
+            let mut bits = *word;
+            while bits != 0 {
+                let (bit, at) = (bits & bits.wrapping_neg(), w * 64 + bits.trailing_zeros() as usize);
+                bits ^= bit;
+                let above = n[0] * centres[at % side] + (n[1] * centres[at / side] + n[2]) > 0.0;
+                if !above {
+                    *word ^= bit;
+                }
+            }
+        }
+    }
 }
 
 /// Codes binary maps; `words` makes those of a vertex in its scratch.

@@ -4,4 +4,4 @@ pub mod brdf;
 pub mod ground_truth;
 mod visibility;
 
-pub use visibility::{closest_hit, occluded};
+pub use visibility::{closest_hit, occluded, sees};

@@ -21,6 +21,18 @@ pub struct EnvironmentLight {
     clamped: usize,
 }
 
+/// What an [`EnvironmentLight`] is made of, before it is turned.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum EnvironmentSource<'a> {
+    /// A latitude–longitude map.
+    LatLong(&'a LatLongMap<Vector3<f32>>),
+    /// A cube map.
+    Cube(&'a CubeMap<Vector3<f32>>),
+    /// A procedural sky.
+    Sky(&'a Sky),
+}
+
 #[derive(Debug, Clone, PartialEq)]
 enum Source {
     LatLong(LatLongMap<Vector3<f32>>),
@@ -92,6 +104,27 @@ impl EnvironmentLight {
     /// How the light is turned.
     pub fn rotation(&self) -> &Rotation3<f64> {
         &self.rotation
+    }
+
+    /// The map or sky, as it was given but for negative pixels, which are 0. The light is that, turned by
+    /// [`rotation`](Self::rotation).
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::nalgebra::Vector3;
+    /// use haarmonic::scene::{EnvironmentLight, EnvironmentSource};
+    /// use haarmonic::sphere::{CubeGrid, CubeMap};
+    /// let map = CubeMap::from_fn(CubeGrid::new(2)?, |d| d.map(|c| c.abs() as f32));
+    /// let light = EnvironmentLight::from_cube(map.clone())?;
+    /// assert_eq!(light.source(), EnvironmentSource::Cube(&map));
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn source(&self) -> EnvironmentSource<'_> {
+        match &self.source {
+            Source::LatLong(map) => EnvironmentSource::LatLong(map),
+            Source::Cube(map) => EnvironmentSource::Cube(map),
+            Source::Sky(sky) => EnvironmentSource::Sky(sky),
+        }
     }
 
     /// How many pixels had a negative channel that became 0.

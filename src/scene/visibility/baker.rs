@@ -5,10 +5,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
 
+use super::fractional::check_samples;
 use super::live::LiveRays;
+use super::origin::origins;
 use super::trace::{TraceFace, View, Waiting, centre, occluded};
 use super::{BinaryVisibility, FractionalVisibility};
 use crate::error::check_length;
+use crate::scene::bvh::FARTHEST_ORIGIN;
 use crate::scene::{Bvh, Mesh};
 use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Progress, Result};
@@ -30,16 +33,18 @@ pub enum BackFaces {
 pub struct VisibilitySettings {
     /// Which sides of a face occlude.
     pub back_faces: BackFaces,
-    /// How far rays start from the surface, as a share of half of the mesh's longest extent; default 2⁻¹⁵.
+    /// How far rays start from the surface, as a share of the shortest edge from the vertex; default 2⁻¹⁶.
     ///
-    /// Too small and a surface shadows itself by rounding; too large and contact shadows begin late, and rays of vertices near a
-    /// thin wall start behind it.
+    /// Whatever it is, rays start at least four roundings of the vertex's own coordinates away. Nothing else in the mesh matters.
+    ///
+    /// Too small and a vertex that only touches another surface, without sharing its vertices, may start on that one's wrong side by
+    /// rounding. Too large and contact shadows begin late, and rays of vertices near a thin wall start behind it.
     pub offset: f64,
 }
 
 impl Default for VisibilitySettings {
     fn default() -> Self {
-        Self { back_faces: BackFaces::default(), offset: 1.0 / 32768.0 }
+        Self { back_faces: BackFaces::default(), offset: 1.0 / 65536.0 }
     }
 }
 
@@ -65,8 +70,9 @@ impl VisibilitySettings {
 /// **Where rays start.** At the vertex, moved by the offset δ along its shading normal, so that it does not meet its own faces, and
 /// by up to δ along the surface towards the middle of its own faces. The second move is zero inside a smooth surface; at a hard
 /// edge, where vertices are split, it takes the origin off the neighbouring wall's plane, so that no light leaks through the corner
-/// of a room. δ is [`VisibilitySettings::offset`] times half of the longest extent, and at least four roundings of the largest
-/// coordinate. A convex mesh sees its whole upper hemisphere: texels that rise less than 10⁻³ rad above the horizon may be lost to rounding,
+/// of a room. δ is [`VisibilitySettings::offset`] times the shortest edge from the vertex, and at least four roundings of the
+/// vertex's own coordinates (those along which it is moved). So it follows what is there, not the size of the scene: a
+/// face far away, or a wide ground, changes nothing near. A convex mesh sees its whole upper hemisphere: texels that rise less than 10⁻³ rad above the horizon may be lost to rounding,
 /// none above.
 ///
 /// **What occludes.** All rays of a vertex share an origin, so each face of the cube is rasterised front to back through a
@@ -105,7 +111,7 @@ pub struct VisibilityBaker {
 #[derive(Debug)]
 struct Scene {
     bvh: Bvh,
-    /// In scene units.
+    /// In the scale of the hierarchy.
     origins: Vec<[f32; 3]>,
     normals: Vec<Vector3<f32>>,
     back_faces: BackFaces,
@@ -130,7 +136,7 @@ impl VisibilityBaker {
             return Err(Error::OutOfRange { what: "visibility offset", got: settings.offset, allowed: "in [0, 1]" });
         }
         let bvh = Bvh::new(mesh);
-        let origins = origins(mesh, &bvh, settings.offset);
+        let origins = origins(mesh, bvh.scale(), settings.offset);
         let scene = Scene { bvh, origins, normals: mesh.normals().to_vec(), back_faces: settings.back_faces };
         Ok(Self::on(Arc::new(scene), grid))
     }
@@ -167,7 +173,7 @@ impl VisibilityBaker {
     /// # Panics
     /// If `vertex` is out of range.
     pub fn origin(&self, vertex: usize) -> Vector3<f64> {
-        self.scene.bvh.to_world(&Vector3::from(self.scene.origins[vertex]).cast())
+        Vector3::from(self.scene.origins[vertex]).cast() / self.scene.bvh.scale()
     }
 
     /// Work space for one thread.
@@ -210,7 +216,7 @@ impl VisibilityBaker {
         let scene = &*self.scene;
         let (origin, normal) = (scene.origins[vertex], scene.normals[vertex].cast::<f64>());
         // Seen from so far away the mesh is smaller than any texel.
-        let far = !origin.iter().all(|c| c.abs() < 1e12);
+        let far = !origin.iter().all(|c| c.abs() < FARTHEST_ORIGIN);
         let VisibilityScratch { live, stack } = scratch;
         check_length("side of the scratch's grid", self.grid.side(), live.side());
         let mut rays = 0;
@@ -241,6 +247,9 @@ impl VisibilityBaker {
             return false;
         }
         let origin = self.scene.origins[vertex];
+        if !origin.iter().all(|c| c.abs() < FARTHEST_ORIGIN) {
+            return true;
+        }
         let view = View::new(face, origin, self.grid.side(), self.scene.back_faces);
         !occluded(&self.scene.bvh, &view, x, y, &self.centres_f32)
     }
@@ -267,19 +276,13 @@ impl VisibilityBaker {
     /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples` is at
     /// most [`CubeGrid::MAX_SIDE`].
     pub fn bake_fractional(&self, samples: usize, progress: &impl Progress) -> Result<FractionalVisibility> {
-        if !(1..=15).contains(&samples) {
-            return Err(Error::OutOfRange {
-                what: "visibility samples along a texel's edge",
-                got: samples as f64,
-                allowed: "in 1…15",
-            });
-        }
+        check_samples(samples)?;
         let fine = self.with_grid(CubeGrid::new(self.grid.side() * samples)?);
         let counts = fine.fill(self.grid.len(), progress, |vertex, counts, scratch| {
             let per_face = self.grid.face_len();
             fine.trace(vertex, scratch, |face, live| live.count(samples, &mut counts[face * per_face..][..per_face]));
         })?;
-        Ok(FractionalVisibility::from_counts(self.grid, samples, counts))
+        Ok(FractionalVisibility::from_parts(self.grid, samples, counts))
     }
 
     /// Runs `one` for every vertex on its `per_vertex` elements of one zeroed list.
@@ -327,43 +330,4 @@ impl VisibilityBaker {
         }
         Ok(all)
     }
-}
-
-/// Where the rays of every vertex start, in scene units.
-fn origins(mesh: &Mesh, bvh: &Bvh, offset: f64) -> Vec<[f32; 3]> {
-    let largest = mesh.positions().iter().map(|p| p.amax()).fold(0.0, f32::max);
-    let half_extent = mesh.bounds().size().max() * 0.5;
-    let rounding = f64::from(largest) * f64::from(f32::EPSILON) * 0.5;
-    let delta = (offset * half_extent).max(4.0 * rounding) * bvh.scale();
-    let inward = inward(mesh);
-    let start = |vertex: usize| {
-        let normal = mesh.normals()[vertex].cast::<f64>();
-        let position = bvh.to_scene(&mesh.positions()[vertex].cast());
-        (position + (normal + inward[vertex]) * delta).cast::<f32>().into()
-    };
-    (0..mesh.positions().len()).map(start).collect()
-}
-
-/// For every vertex the angle-weighted mean of the unit directions into its faces, along the surface: at most 1 long, zero where the
-/// faces close around the vertex evenly, into the surface at its border.
-fn inward(mesh: &Mesh) -> Vec<Vector3<f64>> {
-    let mut sums = vec![(Vector3::zeros(), 0.0); mesh.positions().len()];
-    for (face, indices) in mesh.faces().iter().enumerate() {
-        let corners = mesh.corners(face).map(|p| p.cast::<f64>());
-        for k in 0..3 {
-            let edge = |j: usize| (corners[(k + j) % 3] - corners[k]).try_normalize(0.0);
-            let (Some(a), Some(b)) = (edge(1), edge(2)) else { continue };
-            let angle = a.angle(&b);
-            if let Some(middle) = (a + b).try_normalize(1e-12) {
-                let sum = &mut sums[indices[k] as usize];
-                sum.0 += middle * angle;
-                sum.1 += angle;
-            }
-        }
-    }
-    let project = |((sum, angles), n): ((Vector3<f64>, f64), Vector3<f64>)| {
-        let mean = if angles > 0.0 { sum / angles } else { sum };
-        mean - n * n.dot(&mean)
-    };
-    sums.into_iter().zip(mesh.normals().iter().map(|n| n.cast())).map(project).collect()
 }

@@ -10,6 +10,7 @@ mod binary;
 mod fractional;
 mod lanes;
 mod live;
+mod origin;
 pub mod trace;
 
 pub use baker::{BackFaces, VisibilityBaker, VisibilityScratch, VisibilitySettings};

@@ -17,8 +17,9 @@ use pulp::Simd;
 /// rounding of the projection (2^-22 · side texels) and the tips of triangles widened by the edge tolerance.
 const RANGE_PAD: f32 = 1e-6;
 
-/// Boxes whose far side is nearer than this, in scene units, are behind the origin's face.
-const NEAREST: f32 = 1e-20;
+/// Boxes whose far side is no farther than this, in the scale of the hierarchy, are behind the origin's face: the least number whose
+/// reciprocal is finite.
+const NEAREST: f32 = f32::MIN_POSITIVE;
 
 /// One face of the cube around one origin: how world axes become right, down, outward.
 #[derive(Debug, Clone, Copy)]
@@ -245,7 +246,13 @@ impl Edges {
                 }
             }
             let distances = [norm_squared(p[0]), norm_squared(p[1]), norm_squared(p[2])];
-            let (six_volume, terms) = volume(p[0], e[0], e[1], Reg::abs);
+            // The nearest corner: an origin just above a face is far from its other corners, and the sum's rounding with them.
+            let (second, third) = (distances[1].less(distances[0]), distances[2].less(distances[0].min(distances[1])));
+            let mut nearest = p[0];
+            for c in 0..3 {
+                nearest[c] = third.select(p[2][c], second.select(p[1][c], p[0][c]));
+            }
+            let (six_volume, terms) = volume(nearest, e[0], e[1], Reg::abs);
             let side = six_volume.less(zero).select(minus, one);
             let certain = (terms * tolerance).less(six_volume.abs());
             // Right, down, outward is left-handed: a positive volume faces the origin.
