@@ -55,6 +55,7 @@ mod light_field;
 mod map;
 mod met;
 mod operator_1d;
+mod overlap;
 mod pixel;
 mod prediction;
 mod product;
