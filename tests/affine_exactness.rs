@@ -54,15 +54,16 @@ fn exact_column(size: usize, j: usize, m: AffineMap) -> BTreeMap<usize, f64> {
 proptest! {
     #[test]
     fn couplings_are_right_to_a_few_roundings_of_themselves(i in index(), j in index(), m in any_scale()) {
-        // Three roundings of an overlap, the amplitude, the sum and the quotient; worst seen: 4.2 ε.
-        assert_relative(coupling_1d(i, j, m), naive::exact_coupling_1d(i, j, m), 6.0, &format!("({i}, {j}), {m:?}"));
+        // Half an ε each of an overlap's three roundings, the amplitude, the sum and the quotient; worst seen of 400,000: 1.6 ε.
+        assert_relative(coupling_1d(i, j, m), naive::exact_coupling_1d(i, j, m), 3.0, &format!("({i}, {j}), {m:?}"));
     }
 
     #[test]
     fn triplings_too([i, j, k] in [index(), index(), index()], m in any_scale()) {
         for k in [k, j, j / 2, 2 * j] {
             let what = format!("({i}, {j}, {k}), {m:?}");
-            assert_relative(tripling_1d(i, j, k, m), naive::exact_tripling_1d(i, j, k, m), 8.0, &what);
+            // And a product with a power of √2; worst seen: 2.7 ε.
+            assert_relative(tripling_1d(i, j, k, m), naive::exact_tripling_1d(i, j, k, m), 5.0, &what);
         }
     }
 
@@ -70,21 +71,22 @@ proptest! {
     fn gradients_too(i in index(), j in index(), m in any_scale()) {
         let (got, want) = (coupling_gradient_1d(i, j, m), naive::exact_coupling_gradient_1d(i, j, m));
         for k in 0..2 {
-            assert_relative(got[k], want[k], 6.0, &format!("derivative {k} of ({i}, {j}), {m:?}"));
+            assert_relative(got[k], want[k], 4.0, &format!("derivative {k} of ({i}, {j}), {m:?}"));
         }
         // ψ_j² is 2^l φ there: of φ itself for the coarsest.
         let squared = tripling_gradient_1d(i, 1, 1, m);
         let mean = naive::exact_coupling_gradient_1d(i, 0, m);
-        (0..2).for_each(|k| assert_relative(squared[k], mean[k], 6.0, &format!("({i}, 1, 1), {m:?}")));
+        (0..2).for_each(|k| assert_relative(squared[k], mean[k], 4.0, &format!("({i}, 1, 1), {m:?}")));
     }
 
     #[test]
     fn two_dimensions_too(i in index(), j in index(), x in any_scale(), y in any_scale()) {
         let what = format!("({i}, {j}), {x:?} {y:?}");
         let want = naive::exact_coupling_nonstandard(i, j, [x, y]);
-        assert_relative(coupling_nonstandard(i, j, [x, y]), want, 12.0, &what);
+        // Twice the error of an axis; worst seen: 3.9 ε.
+        assert_relative(coupling_nonstandard(i, j, [x, y]), want, 8.0, &what);
         let want = naive::exact_coupling_1d(i, j, x) * naive::exact_coupling_1d(j, i, y);
-        assert_relative(coupling_standard([i, j], [j, i], [x, y]), want, 12.0, &what);
+        assert_relative(coupling_standard([i, j], [j, i], [x, y]), want, 8.0, &what);
         // ψ times the mean is ψ.
         assert_eq!(tripling_nonstandard(i, 0, j, [x, y]), coupling_nonstandard(i, j, [x, y]), "{}", what);
     }
@@ -95,13 +97,13 @@ proptest! {
         let (want, mut got) = (exact_column(size, j, m), BTreeMap::new());
         Nonzeros1d::new(size).unwrap().column(j, m, |i, d| assert!(got.insert(i, d).is_none()));
         prop_assert!(got.keys().eq(want.keys()), "column {}, {:?}: {:?}, want {:?}", j, m, got, want);
-        got.iter().for_each(|(i, &d)| assert_relative(d, want[i], 6.0, &format!("({i}, {j}), {m:?}")));
+        got.iter().for_each(|(i, &d)| assert_relative(d, want[i], 3.0, &format!("({i}, {j}), {m:?}")));
 
         let mut got = BTreeMap::new();
         TripleNonzeros1d::new(size).unwrap().column(j, k, m, |i, d| assert!(got.insert(i, d).is_none()));
         for i in 0..size {
             let want = naive::exact_tripling_1d(i, j, k, m);
-            assert_relative(got.get(&i).copied().unwrap_or(0.0), want, 8.0, &format!("({i}, {j}, {k}), {m:?}"));
+            assert_relative(got.get(&i).copied().unwrap_or(0.0), want, 5.0, &format!("({i}, {j}, {k}), {m:?}"));
         }
     }
 
@@ -111,7 +113,7 @@ proptest! {
         NonzerosNonstandard::new(8).unwrap().column(j, [x, y], |i, d| assert!(got.insert(i, d).is_none()));
         for i in 0..64 {
             let want = naive::exact_coupling_nonstandard(i, j, [x, y]);
-            assert_relative(got.get(&i).copied().unwrap_or(0.0), want, 12.0, &format!("({i}, {j}), {x:?} {y:?}"));
+            assert_relative(got.get(&i).copied().unwrap_or(0.0), want, 8.0, &format!("({i}, {j}), {x:?} {y:?}"));
         }
     }
 
@@ -126,7 +128,7 @@ proptest! {
             let want = naive::exact_coupling_1d(i, j, m);
             let amplitudes = ((i.max(1).ilog2() + j.max(1).ilog2()) as f64 / 2.0).exp2();
             let d = got.get(&j).copied().unwrap_or(0.0);
-            // Three breakpoints in [0, 1], weights up to 2, two roundings each.
+            // Three breakpoints in [0, 1], weights up to 2, two roundings each; worst seen: 1.5 ε.
             prop_assert!((d - want).abs() <= 4.0 * f64::EPSILON * amplitudes, "({i}, {j}), {m:?}: {d:e} {want:e}");
             prop_assert!(d * want >= 0.0 && (d == 0.0 || want != 0.0), "({i}, {j}), {m:?}: {d:e} {want:e}");
         }

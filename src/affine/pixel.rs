@@ -142,7 +142,7 @@ pub fn pixel_tripling_nonzeros(size: usize, map: AffineMap) -> impl Iterator<Ite
 /// less than 1 (s = 3/2, N = 8: 14 against 13.3) and never reaches at s = 1 (docs/errata.md).
 pub fn pixel_coupling_bound(size: usize, map: AffineMap) -> usize {
     let ratio = map.scale().abs().min(map.scale().abs().recip());
-    size + ((size as f64 * ratio).ceil() as usize).min(size.saturating_sub(1))
+    size.saturating_add(((size as f64 * ratio).ceil() as usize).min(size.saturating_sub(1)))
 }
 
 /// The ends b_k = (k − No)/s of the source pixels against those of the target, j = 0 … N.

@@ -57,7 +57,8 @@ pub enum Axis {
 /// ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its [`Targets`].
 ///
 /// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
-/// Accuracy: a few ε of max |F|, by any route but for the caveat of [`PropagationRoute::Lookups`].
+/// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in `f64`, at a target pixel k
+/// that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
 ///
 /// # Example
