@@ -147,12 +147,14 @@ proptest! {
                 let mut out = vec![f64::NAN; 64];
                 plan.apply_by(route, &source, maps, &all, [&mut out], &mut PropagationScratch::new());
                 let got = inverse_2d(&out, side, side, basis).unwrap();
-                // An end of a pixel is rounded by ε of its place, up to 8 pixels; a table's difference loses 1/(s_x s_y) besides.
+                // An end of a pixel is rounded by ε of its place, up to 8 pixels; worst seen: 7 ε. A table's differences lose 1/(s_x s_y)
+                // besides, of corners that are sums of all pixels; worst seen: 86 ε of that.
                 let area = (x.scale() * y.scale()).abs();
-                let loss = if route == PropagationRoute::Lookups && area >= 2f64.powi(-20) { 1.0 + area.recip() } else { 1.0 };
+                let looked_up = route == PropagationRoute::Lookups && area >= 2f64.powi(-20);
+                let tolerance = f64::EPSILON * if looked_up { 256.0 * (1.0 + area.recip()) } else { 24.0 };
                 for k in 0..64 {
                     let off = (got[k] - seen[k]).abs();
-                    prop_assert!(off <= 64.0 * f64::EPSILON * loss, "{route:?}, {basis:?}, pixel {k}, {maps:?}: {:e} {:e}", got[k], seen[k]);
+                    prop_assert!(off <= tolerance, "{route:?}, {basis:?}, pixel {k}, {maps:?}: {:e} {:e}", got[k], seen[k]);
                 }
             }
         }
@@ -175,11 +177,11 @@ proptest! {
                 let value = |q: usize, i, k| naive::exact_pixel_coupling(side, i, k, maps[q]);
                 let weight = |q: usize, i, k| if q == a { slope(q, i, k) } else { value(q, i, k) };
                 let want = combined(side, &image, &weight);
-                // 8/|s| for each end of a pixel that moves through a cell.
+                // 8/|s| for each end of a pixel that moves through a cell; worst seen: 8 ε of that.
                 let scale = 8.0 / maps[a].scale().abs();
                 for k in 0..64 {
                     let off = (got[k] - want[k]).abs();
-                    prop_assert!(off <= 64.0 * f64::EPSILON * scale, "{axis:?}, {parameter:?}, pixel {k}, {maps:?}: {:e} {:e}", got[k], want[k]);
+                    prop_assert!(off <= 32.0 * f64::EPSILON * scale, "{axis:?}, {parameter:?}, pixel {k}, {maps:?}: {:e} {:e}", got[k], want[k]);
                 }
             }
         }
@@ -191,7 +193,7 @@ proptest! {
         let got = inverse_2d(&out, side, side, basis).unwrap();
         for (i, got) in got.into_iter().enumerate() {
             let [wx, wy] = [(i % 8, at % 8, x), (i / 8, at / 8, y)].map(|(i, k, m)| naive::exact_pixel_coupling(side, i, k, m));
-            prop_assert!((got - wx * wy).abs() <= 64.0 * f64::EPSILON, "pixel {i} to {at}, {maps:?}: {got:e} {:e}", wx * wy);
+            prop_assert!((got - wx * wy).abs() <= 32.0 * f64::EPSILON, "pixel {i} to {at}, {maps:?}: {got:e} {:e}", wx * wy);
         }
     }
 

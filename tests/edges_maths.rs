@@ -720,14 +720,16 @@ fn compress_values() {
     ]);
 }
 
-/// Calls that are documented to panic, and what they say.
+/// A name, a call that is documented to panic, and what it says.
+type Panic<'a> = (&'static str, Box<dyn Fn() + 'a>, &'static str);
+
 #[test]
 fn calls_beyond_the_size_panic_and_say_so() {
     let deep = Atom { level: 64, ..Atom::from_flat(1) };
     let matrix = SparseMatrix::from_triplets(2, 2, 1.0, [(0, 0, 1)]).unwrap();
     let clusters = Biclustering::new(&matrix, &BiclusterSettings::default(), &()).unwrap();
     let coded = ClusteredPca::new(&[1.0, 2.0], 1, &ClusteredPcaSettings::new(1, 1), &()).unwrap();
-    let calls: Vec<(&str, Box<dyn Fn()>, &str)> = vec![
+    let calls: Vec<Panic> = vec![
         ("row past the last", Box::new(|| _ = LatLongGrid::new(8, 4).unwrap().solid_angle(4)), "row 4 of 4"),
         ("last row", Box::new(|| _ = LatLongGrid::new(8, 4).unwrap().solid_angle(HUGE)), "of 4"),
         ("texel", Box::new(|| _ = CubeGrid::new(4).unwrap().solid_angle(0, 4)), "texel (0, 4)"),

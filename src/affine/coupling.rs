@@ -16,7 +16,8 @@ use crate::{Error, Result};
 /// atoms have in common (the derivation is in the source, `overlap.rs`).
 ///
 /// Accuracy: below 3 ε of D itself (measured: 1.6) for every map and levels up to 51, and 0 if and only if D is 0 for the numbers that the map holds.
-/// Above level 51 the offset of an atom is rounded to `f64`.
+/// Above level 51 the offset of an atom is rounded to `f64`. Cost: some 50 ns; those of a whole row or operator come at a tenth of that,
+/// [`Nonzeros1d`], [`Operator1d`](super::Operator1d).
 ///
 /// # Panics
 /// If a level is above 63.
