@@ -568,6 +568,8 @@ fn nonzeros_follow_the_law_at_their_most() {
     for (k, most) in (3..).zip(listed) {
         assert_eq!(wavelet_pairs(1 << k, near), most);
         assert_eq!((8 << k) - (k + 2) * (k + 4), most);
+        // With the scaling function as well: φ with φ, and at each level one wavelet on either side.
+        assert_eq!(Nonzeros1d::new(1 << k).unwrap().count(near), most + 2 * k + 1);
     }
     // The thesis' bound of overlapping pairs, N k + k², is passed.
     assert!(wavelet_pairs(32, near) > 32 * 5 + 5 * 5 && wavelet_pairs(64, near) > 64 * 6 + 6 * 6);
@@ -581,5 +583,6 @@ proptest! {
         let (s, o) = if near { (1.0 + 1e-3 * (s - 1.0), 1e-3 * o) } else { (s, o) };
         let map = if mirrored { AffineMap::new(-s, 1.0 + o) } else { AffineMap::new(s, o) }.unwrap();
         prop_assert!(wavelet_pairs(1 << k, map) <= (8 << k) - (k + 2) * (k + 4));
+        prop_assert!(Nonzeros1d::new(1 << k).unwrap().count(map) <= (8 << k) - (k + 2) * (k + 4) + 2 * k + 1);
     }
 }

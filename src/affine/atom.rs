@@ -17,7 +17,7 @@ use crate::haar::{Index1d, Index2d, Kind};
 pub struct Atom {
     /// f.
     pub mother: Mother,
-    /// l, at most 62.
+    /// l, at most 63.
     pub level: u32,
     /// t, below 2^l for an atom of the unit interval.
     pub offset: usize,
@@ -47,6 +47,13 @@ impl Atom {
                 [Self { mother: horizontal, level, offset: x }, Self { mother: vertical, level, offset: y }]
             }
         }
+    }
+
+    /// Panics if the level is beyond those of a flat index.
+    #[inline(always)]
+    #[track_caller]
+    pub(super) fn check(self) {
+        assert!(self.level <= 63, "level {} of an atom: at most 63", self.level);
     }
 
     /// 2^{−l}: the width of the support.

@@ -34,6 +34,9 @@ impl Atom {
     /// | φ φ or ψ ψ, of one support | 2^{l/2} φ_{l,t} |
     /// | φ ψ, of one support | 2^{l/2} ψ_{l,t} |
     ///
+    /// # Panics
+    /// If a level is above 63.
+    ///
     /// # Example
     /// ```
     /// use haarmonic::affine::{Atom, Mother};
@@ -44,8 +47,10 @@ impl Atom {
     /// assert_eq!(square.atom.mother, Mother::Scaling);
     /// ```
     #[inline]
+    #[track_caller]
     pub fn product(self, other: Self) -> Option<ScaledAtom> {
         let (coarse, fine) = if self.level <= other.level { (self, other) } else { (other, self) };
+        fine.check();
         let below = fine.level - coarse.level;
         if fine.offset >> below != coarse.offset {
             return None;

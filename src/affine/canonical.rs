@@ -34,14 +34,26 @@ impl Mother {
     /// The derivative of the primitive at x towards `side` (its sign): the function's value just after or just before x.
     #[inline(always)]
     pub(super) fn slope(self, x: f64, side: f64) -> f64 {
-        let (from, middle, to) = match side >= 0.0 {
-            true => (x >= 0.0, x >= 0.5, x >= 1.0),
-            false => (x > 0.0, x > 0.5, x > 1.0),
-        };
+        self.beside([x, x - 0.5, x - 1.0], side)
+    }
+
+    /// As [`slope`](Self::slope), from x, x − ½ and x − 1, of which only the signs count.
+    #[inline(always)]
+    pub(super) fn beside(self, beyond: [f64; 3], side: f64) -> f64 {
+        let [from, middle, to] = beyond.map(|x| if side >= 0.0 { x >= 0.0 } else { x > 0.0 });
         match (self, from && !to, middle) {
             (_, false, _) => 0.0,
             (Self::Wavelet, true, true) => -1.0,
             _ => 1.0,
+        }
+    }
+
+    /// Minus the jumps at 0, ½ and 1.
+    #[inline(always)]
+    pub(super) fn weights(self) -> [f64; 3] {
+        match self {
+            Self::Wavelet => [-1.0, 2.0, -1.0],
+            Self::Scaling => [-1.0, 0.0, 1.0],
         }
     }
 }

@@ -49,7 +49,7 @@ pub fn fourier_tripling(n: i64, p: i64, q: i64, map: AffineMap) -> Complex<f64> 
 /// The matrix of [`fourier_coupling`] over a range of frequencies: element (row q, column p) takes the coefficient p of F to the
 /// coefficient q of F(sv + o).
 ///
-/// The coefficients of F(sv + o) are those of F times this, up to what the range cuts off. Cost: N² complex products.
+/// The coefficients of F(sv + o) are those of F times this, up to what the range cuts off. Cost: N² complex products and 16 N² bytes.
 pub fn fourier_coupling_matrix(frequencies: Range<i64>, map: AffineMap) -> DMatrix<Complex<f64>> {
     let size = frequencies.clone().count();
     let values = frequencies.clone().flat_map(|p| {
@@ -81,15 +81,16 @@ pub fn fourier_coupling_nonzeros(
     })
 }
 
-/// How many (n, p, q) over a range of frequencies have D_npq ≠ 0 ([`fourier_tripling`]): Θ(N²) for an integer s, Θ(N³) otherwise.
+/// How many (n, p, q) over a range of frequencies have D_npq ≠ 0 ([`fourier_tripling`]): Θ(N²) for an integer s, Θ(N³) otherwise;
+/// `u64::MAX` where there are more. Cost: N steps.
 pub fn fourier_tripling_count(frequencies: Range<i64>, map: AffineMap) -> u64 {
-    let size = (frequencies.end.saturating_sub(frequencies.start)).max(0) as u64;
+    let size = if frequencies.is_empty() { 0 } else { frequencies.end.abs_diff(frequencies.start) };
     let pairs = |n| match Row::new(n, map).integer() {
         // q − p = sn: as many pairs as the range and the range moved by sn have in common.
         Some(integer) => size.saturating_sub(integer.abs() as u64),
-        None => size * size,
+        None => size.saturating_mul(size),
     };
-    frequencies.map(pairs).sum()
+    frequencies.map(pairs).fold(0, u64::saturating_add)
 }
 
 /// What the couplings of one p share.

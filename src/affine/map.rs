@@ -21,6 +21,10 @@ pub struct AffineMap {
     offset: f64,
 }
 
+/// The range of |s|; |o| is at most the larger.
+const SMALLEST: f64 = 1e-100;
+const LARGEST: f64 = 1e100;
+
 impl AffineMap {
     /// v ↦ v.
     pub const IDENTITY: Self = Self { scale: 1.0, offset: 0.0 };
@@ -30,11 +34,11 @@ impl AffineMap {
     /// # Errors
     /// [`Error::OutOfRange`] unless 1e-100 ≤ |s| ≤ 1e100 and |o| ≤ 1e100, NaN included: nothing can overflow inside that.
     pub fn new(scale: f64, offset: f64) -> Result<Self> {
-        if !(1e-100..=1e100).contains(&scale.abs()) {
+        if !(SMALLEST..=LARGEST).contains(&scale.abs()) {
             let allowed = "not zero: 1e-100 ≤ |s| ≤ 1e100";
             return Err(Error::OutOfRange { what: "scale of an affine map", got: scale, allowed });
         }
-        if !(offset.abs() <= 1e100) {
+        if !(offset.abs() <= LARGEST) {
             let allowed = "finite: |o| ≤ 1e100";
             return Err(Error::OutOfRange { what: "offset of an affine map", got: offset, allowed });
         }
@@ -66,9 +70,16 @@ impl AffineMap {
     }
 
     /// x ↦ (x − o)/s.
+    ///
+    /// Both numbers are held inside the range of [`new`](Self::new). Where −o/s leaves it, s [0, 1] + o has no length in common with [0, 1],
+    /// and neither has the inverse's image with the offset at ±1e100: nothing is in sight through either.
     #[inline]
     pub fn inverse(self) -> Self {
-        Self { scale: self.scale.recip(), offset: -self.offset / self.scale }
+        let scale = self.scale.recip();
+        Self {
+            scale: scale.abs().clamp(SMALLEST, LARGEST).copysign(scale),
+            offset: (-self.offset / self.scale).clamp(-LARGEST, LARGEST),
+        }
     }
 
     /// v ↦ `outer`(self(v)): F(outer(v)), seen through `self`.

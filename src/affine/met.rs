@@ -1,8 +1,8 @@
 //! The atoms that a transformed atom meets, from either side, without spurious ones.
 
 use super::atom::power;
+use super::exact_sum::{exact_product, separation};
 use super::steps::Steps;
-use super::zero::vanishes;
 use super::{AffineMap, Atom, Mother, coupling};
 
 /// The atoms of a level whose coupling with a given one is not exactly zero, by ascending offset.
@@ -66,30 +66,36 @@ impl Met for Row {
 
 /// The source atoms that a target atom meets.
 ///
-/// Only where is found in the source: a small scale makes the target's image so narrow that differences there would be lost. How much is the
-/// closed form of the coupling, which works in the target.
+/// Only where is found in the source: a small scale makes the target's image so narrow that differences there would be lost. How much, if anything, is
+/// the coupling of the pair.
 pub(super) struct Column {
     target: Atom,
     map: AffineMap,
-    /// The image of the breakpoints, ascending, and the most that rounding may have moved one.
+    /// The image of the breakpoints, ascending, each to a few ε of itself.
     at: [f64; 3],
-    blur: f64,
 }
+
+/// The rounding of an image and of its product with a number of cells, relative.
+const BLUR: f64 = 4.0 * f64::EPSILON;
 
 impl Column {
     #[inline(always)]
     pub(super) fn new(target: Atom, map: AffineMap) -> Self {
-        let mut at = target.breakpoints().map(|v| map.apply(v));
+        let image = |v: f64| {
+            let (high, low) = exact_product(map.scale(), v);
+            separation(map.offset(), (-high, -low), (0.0, 0.0))
+        };
+        let mut at = target.breakpoints().map(image);
         if map.scale() < 0.0 {
             at.reverse();
         }
-        Self { target, map, at, blur: 2.0 * f64::EPSILON * (map.scale().abs() + map.offset().abs()) }
+        Self { target, map, at }
     }
 
     #[inline(always)]
     fn pass(&self, source: Atom, mut visit: impl FnMut(Atom, f64)) {
         let value = coupling(source, self.target, self.map);
-        if !vanishes(source, self.target, self.map, value) {
+        if value != 0.0 {
             visit(source, value);
         }
     }
@@ -101,7 +107,8 @@ impl Met for Column {
         let count = power(level as i32);
         let mut next = 0.0;
         for x in self.at {
-            let (low, high) = (((x - self.blur) * count).floor(), ((x + self.blur) * count).floor());
+            let blur = BLUR * x.abs();
+            let (low, high) = (((x - blur) * count).floor(), ((x + blur) * count).floor());
             let mut cell = low.max(next);
             while cell <= high && cell < count {
                 self.pass(Atom { mother: Mother::Wavelet, level, offset: cell as usize }, &mut visit);
@@ -114,8 +121,9 @@ impl Met for Column {
     #[inline(always)]
     fn scalings(&self, level: u32, mut visit: impl FnMut(Atom, f64)) {
         let count = power(level as i32);
-        let mut cell = ((self.at[0] - self.blur) * count).floor().max(0.0);
-        while cell <= (self.at[2] + self.blur) * count && cell < count {
+        let [low, _, high] = self.at;
+        let mut cell = ((low - BLUR * low.abs()) * count).floor().max(0.0);
+        while cell <= (high + BLUR * high.abs()) * count && cell < count {
             self.pass(Atom { mother: Mother::Scaling, level, offset: cell as usize }, &mut visit);
             cell += 1.0;
         }

@@ -40,6 +40,8 @@
 //!   ([`AffineMap::then`]).
 //! - Non-zero couplings of an operator are Θ(N): at most 8N − (k + 2)(k + 4) of wavelets with wavelets, k = log₂ N, and 2k + 1 more with
 //!   the scaling function. Non-zero triplings are Θ(N log N).
+//! - Single couplings, triplings, their gradients and columns are right to a few ε of themselves at every scale and zero if and only if
+//!   they are; rows and operators to a few ε of the amplitudes of both functions.
 //! - Maps are `f64`, signals `f32` or `f64`. A derivative where the value has a kink is the right-hand one.
 //!
 //! Sources: [Sun 2008, ch. 4]; docs/errata.md lists what is wrong or missing there, docs/affine.md has the pictures.
@@ -55,6 +57,7 @@ mod light_field;
 mod map;
 mod met;
 mod operator_1d;
+mod overlap;
 mod pixel;
 mod prediction;
 mod product;

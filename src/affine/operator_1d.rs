@@ -5,7 +5,7 @@ use super::steps::{Steps, row_room};
 use super::{AffineMap, Atom, Parameter};
 use crate::error::check_length;
 use crate::haar::SparseVector;
-use crate::{Real, Result};
+use crate::{Error, Real, Result};
 
 /// F(s v + o) of 1D Haar signals: L_k = Σ_i F_i D_ik(s, o)                          [Sun 2008, eq. 4.35].
 ///
@@ -13,7 +13,8 @@ use crate::{Real, Result};
 /// The result is the L² projection of F(s v + o) on [0, 1), F = 0 outside: exact against every signal of the same size. Transformed
 /// signals do not chain: compose the maps instead ([`AffineMap::then`]).
 ///
-/// Shapes: signals of `size` coefficients, flat 1D index. Accuracy: a few ε·max|L| in T; couplings are computed in f64.
+/// Shapes: signals of `size` coefficients, flat 1D index. Accuracy: a few ε·max|L| in T; couplings are computed in f64, as those of
+/// [`Nonzeros1d::row`](super::Nonzeros1d::row).
 /// Cost: [`set`](Self::set) visits the Θ(N) non-zeros alone, `apply` is one multiplication and addition each.
 ///
 /// # Example
@@ -40,9 +41,12 @@ impl<T: Real> Operator1d<T> {
     /// The operator of signals of `size` coefficients under `map`.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `size` is one.
+    /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2²⁴ (some gigabytes of couplings).
     pub fn new(size: usize, map: AffineMap) -> Result<Self> {
         let levels = levels_of("size of a signal", size)?;
+        if levels > 24 {
+            return Err(Error::OutOfRange { what: "size of a signal", got: size as f64, allowed: "at most 2^24" });
+        }
         let mut operator = Self { levels, start: Vec::new(), target: Vec::new(), value: Vec::new() };
         operator.set(map);
         Ok(operator)
@@ -177,7 +181,7 @@ fn push<T: Real>(target: &mut Vec<u32>, value: &mut Vec<T>, j: usize, d: f64) {
 /// F(s v + o) of the coefficients of a 1D signal: the one-shot form of [`Operator1d`].
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo)(crate::Error::NotPowerOfTwo) unless the number of coefficients is one.
+/// As [`Operator1d::new`], of the number of coefficients.
 pub fn transform_1d<T: Real>(source: &[T], map: AffineMap) -> Result<Vec<T>> {
     let operator = Operator1d::new(source.len(), map)?;
     let mut target = vec![T::zero(); source.len()];

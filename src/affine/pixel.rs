@@ -1,7 +1,7 @@
 //! Affine couplings and triplings of the pixel basis, for comparison with Haar.
 
 use super::AffineMap;
-use super::exact_sum::{exact_product, exact_sum, sum_of_five};
+use super::exact_sum::{exact_product, separation};
 
 /// Affine coupling of two functions Φ_k = √N · 1 on [k/N, (k + 1)/N) of the orthonormal pixel basis.
 ///
@@ -142,7 +142,7 @@ pub fn pixel_tripling_nonzeros(size: usize, map: AffineMap) -> impl Iterator<Ite
 /// less than 1 (s = 3/2, N = 8: 14 against 13.3) and never reaches at s = 1 (docs/errata.md).
 pub fn pixel_coupling_bound(size: usize, map: AffineMap) -> usize {
     let ratio = map.scale().abs().min(map.scale().abs().recip());
-    size + ((size as f64 * ratio).ceil() as usize).min(size.saturating_sub(1))
+    size.saturating_add(((size as f64 * ratio).ceil() as usize).min(size.saturating_sub(1)))
 }
 
 /// The ends b_k = (k − No)/s of the source pixels against those of the target, j = 0 … N.
@@ -161,15 +161,7 @@ impl Grid {
 
     /// b_k − j, in pixels: its sign is exact, its error a few ε of itself.
     fn distance(&self, k: usize, j: usize) -> f64 {
-        let (s, s_low) = exact_product(self.scale, j as f64);
-        let (o, o_low) = self.offset;
-        let k = k as f64;
-        let (part, lost) = exact_sum(k, -s);
-        let (rest, more) = exact_sum(part, -o);
-        let source = rest + ((lost + more) - (s_low + o_low));
-        // The last line rounds off a few ε² of the largest number. Where that could show beside ε of the sum, all over again.
-        let certain = source.abs() > f64::EPSILON * (k + s.abs() + o.abs());
-        (if certain { source } else { sum_of_five([-s_low, -o_low, -s, -o, k]) }) / self.scale
+        separation(k as f64, exact_product(self.scale, j as f64), self.offset) / self.scale
     }
 
     /// The ends of source pixel i as the target sees them, the lower first.

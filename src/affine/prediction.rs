@@ -81,7 +81,8 @@ impl Prediction<1> {
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] unless the heuristic has as many coefficients;
-    /// [`Error::NotFinite`] for those that are not; [`Error::OutOfRange`] for a negative mean square.
+    /// [`Error::NotFinite`] for those that are not; [`Error::OutOfRange`] for a negative mean square, a fraction to keep outside [0, 1] and more
+    /// than 2²⁶ coefficients.
     pub fn new(size: usize, heuristic: Heuristic<'_>, grid: MapGrid, keep: Keep) -> Result<Self> {
         Self::build(Basis::Line(Nonzeros1d::new(size)?), size, heuristic, grid, keep)
     }
@@ -91,7 +92,7 @@ impl Prediction<2> {
     /// For images of `side`² coefficients.
     ///
     /// # Errors
-    /// As in 1D, and [`Error::OutOfRange`] for a grid of more than 2²⁴ cells or a side above 2¹⁵.
+    /// As in 1D (a side of 8192 has 2²⁶ coefficients), and [`Error::OutOfRange`] for a grid of more than 2²⁴ cells.
     pub fn new(
         side: usize,
         decomposition: Decomposition,
@@ -110,6 +111,8 @@ impl Prediction<2> {
 
 impl<const Q: usize> Prediction<Q> {
     fn build(basis: Basis, len: usize, heuristic: Heuristic<'_>, grid: MapGrid, keep: Keep) -> Result<Self> {
+        check_count("coefficients of a prediction", len)?;
+        keep.check()?;
         let (source, squared) = match heuristic {
             Heuristic::Constant => (vec![(0, 1.0)], false),
             Heuristic::Light(coefs) => (nonzero(len, coefs, "coefficients of a heuristic light", false)?, false),
@@ -139,9 +142,9 @@ impl<const Q: usize> Prediction<Q> {
     /// which is the default.
     ///
     /// Edges move by a cell's width within it: a choice for the centre alone misses the finest wavelets of most maps. A choice
-    /// takes `samples`^(Q + 1) times as long.
+    /// takes `samples`^(Q + 1) times as long; more than 64 are held at 64.
     pub fn with_samples(mut self, samples: usize) -> Self {
-        self.samples = samples.max(1);
+        self.samples = samples.clamp(1, 64);
         self.best.iter_mut().chain(&mut self.joined).for_each(|cell| drop(cell.take()));
         self
     }
@@ -283,7 +286,8 @@ impl<const Q: usize> Prediction<Q> {
 /// Shapes: each light and the result have `size` elements. Without lights all is zero.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] for a light of another length.
+/// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] for a light of another length; [`Error::NotFinite`] for a coefficient that
+/// is not; [`Error::OutOfRange`] for mean squares that overflow, and above 2²⁶ coefficients. Squares of less than 1e-154 vanish.
 pub fn mean_squares_1d(size: usize, lights: &[&[f64]]) -> Result<Vec<f64>> {
     levels_of("size of a signal", size)?;
     mean_squares(size, lights, octave)
@@ -295,7 +299,7 @@ pub fn mean_squares_1d(size: usize, lights: &[&[f64]]) -> Result<Vec<f64>> {
 /// Shapes: each light and the result have `side`² elements. Without lights all is zero.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::Length`] for a light of another length.
+/// As [`mean_squares_1d`], of the side and its square.
 ///
 /// # Example
 /// ```
@@ -307,7 +311,7 @@ pub fn mean_squares_1d(size: usize, lights: &[&[f64]]) -> Result<Vec<f64>> {
 /// ```
 pub fn mean_squares_2d(side: usize, decomposition: Decomposition, lights: &[&[f64]]) -> Result<Vec<f64>> {
     levels_of("side of an image", side)?;
-    mean_squares(side * side, lights, |i| match decomposition {
+    mean_squares(side.saturating_mul(side), lights, |i| match decomposition {
         Decomposition::Standard => octave(i / side) * 64 + octave(i % side),
         Decomposition::Nonstandard => match Index2d::from_flat(i) {
             Index2d::Scaling => 0,
@@ -322,6 +326,7 @@ fn octave(flat: usize) -> usize {
 }
 
 fn mean_squares(len: usize, lights: &[&[f64]], group: impl Fn(usize) -> usize) -> Result<Vec<f64>> {
+    check_count("coefficients of a light", len)?;
     let groups = (0..len).map(&group).max().map_or(0, |g| g + 1);
     let (mut sums, mut counts) = (vec![0.0; groups], vec![0usize; groups]);
     for light in lights {
@@ -329,14 +334,30 @@ fn mean_squares(len: usize, lights: &[&[f64]], group: impl Fn(usize) -> usize) -
             return Err(Error::Length { what: "coefficients of a light", expected: len, got: light.len() });
         }
         for (i, f) in light.iter().enumerate() {
+            if !f.is_finite() {
+                return Err(Error::NotFinite { what: "coefficients of a light", index: i });
+            }
             sums[group(i)] += f * f;
             counts[group(i)] += 1;
         }
     }
+    if sums.contains(&f64::INFINITY) {
+        let allowed = "finite: coefficients of at most about 1e150";
+        return Err(Error::OutOfRange { what: "mean square of a light", got: f64::INFINITY, allowed });
+    }
     Ok((0..len).map(|i| sums[group(i)] / counts[group(i)].max(1) as f64).collect())
 }
 
-/// The non-zero elements, all checked.
+/// More than this is a mistake: each choice takes a number a coefficient.
+fn check_count(what: &'static str, len: usize) -> Result<()> {
+    if len > 1 << 26 {
+        return Err(Error::OutOfRange { what, got: len as f64, allowed: "at most 2^26" });
+    }
+    Ok(())
+}
+
+/// The non-zero elements, all checked, times the power of two that brings the largest near 1: only ratios count, and squares of any
+/// magnitude stay in range.
 fn nonzero(len: usize, values: &[f64], what: &'static str, squares: bool) -> Result<Vec<(usize, f64)>> {
     if values.len() != len {
         return Err(Error::Length { what, expected: len, got: values.len() });
@@ -347,7 +368,14 @@ fn nonzero(len: usize, values: &[f64], what: &'static str, squares: bool) -> Res
     if let Some(&got) = values.iter().find(|v| squares && **v < 0.0) {
         return Err(Error::OutOfRange { what, got, allowed: "not negative" });
     }
-    Ok(values.iter().copied().enumerate().filter(|(_, v)| *v != 0.0).collect())
+    let largest = values.iter().fold(0.0f64, |max, v| max.max(v.abs()));
+    if largest == 0.0 {
+        return Ok(Vec::new());
+    }
+    // In two steps: the reciprocal of the smallest numbers is not one.
+    let half = (-0.5 * largest.log2()).floor().exp2();
+    let scaled = values.iter().map(|v| v * half * half).enumerate();
+    Ok(scaled.filter(|(_, v)| *v != 0.0).collect())
 }
 
 /// The places of the `keep` largest powers, ascending; ties go to the lower place. What is zero or rounding noise (1e-13 in

@@ -195,19 +195,20 @@ impl CanonicalTable {
         }
     }
 
-    /// M(r, c) for any finite r and c, as a texture unit reads it.
+    /// M(r, c) for any finite r and c, as a texture unit reads it; held in [−1, 1], beyond which the multiplied error of a large r might take it.
     ///
     /// M is zero at r = 0; NaN gives NaN, and so does an infinite r.
     pub fn lookup(&self, r: f64, c: f64) -> f64 {
         let radius = r.abs();
+        // Half of the factor: twice the largest numbers is infinite, and the texel may be 0.
         let (factor, radius, centre) = if radius > 0.5 {
             let inverse = 0.5 / radius;
-            (2.0 * r, 0.5 * inverse, 0.5 + 0.5 * inverse - c * inverse)
+            (r, 0.5 * inverse, 0.5 + 0.5 * inverse - c * inverse)
         } else {
-            (r.signum(), radius, c)
+            (0.5 * r.signum(), radius, c)
         };
         let centre = if centre > 0.5 { 1.0 - centre } else { centre };
-        factor * self.sample(radius, centre)
+        (factor * (2.0 * self.sample(radius, centre))).clamp(-1.0, 1.0)
     }
 
     /// One filtered read, clamped to the edge.

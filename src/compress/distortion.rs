@@ -2,6 +2,7 @@
 
 use super::parallel::map;
 use crate::Real;
+use crate::numeric::SquareSum;
 
 /// How far numbers are from what compression made of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,12 +12,13 @@ pub struct Distortion {
     pub max: f64,
     /// √ of the mean squared difference.
     pub rms: f64,
-    /// √(Σ (x − x')² / Σ x²): 0 if nothing is lost, 1 if all is; 0 for zeros that stay zeros.
+    /// √(Σ (x − x')² / Σ x²): 0 if nothing is lost, 1 if all is; 0 for zeros that stay zeros, infinite for zeros that do not.
     pub relative: f64,
 }
 
 impl Distortion {
-    /// Of numbers and what is left of them; all 0 if there are none. NaN in either makes `rms` NaN.
+    /// Of numbers and what is left of them, of any magnitude; all 0 if there are none. NaN in either makes `rms` NaN; a difference that
+    /// overflows is infinite.
     ///
     /// # Panics
     /// If the lengths differ.
@@ -37,14 +39,25 @@ impl Distortion {
             let rows = &original[piece * chunk..original.len().min((piece + 1) * chunk)];
             let mut out = vec![T::zero(); rows.len()];
             with(piece * chunk / columns, rows, &mut out);
-            rows.iter().zip(&out).fold((0.0f64, 0.0, 0.0), |(max, squares, energy), (x, y)| {
-                let (x, d) = (x.widen(), x.widen() - y.widen());
-                (max.max(d.abs()), squares + d * d, energy + x * x)
-            })
+            let pairs = || rows.iter().zip(&out).map(|(x, y)| (x.widen(), x.widen() - y.widen()));
+            let plain = pairs().fold(([0.0f64; 2], [0.0; 2]), |([most, max], [energy, squares]), (x, d)| {
+                ([most.max(x.abs()), max.max(d.abs())], [energy + x * x, squares + d * d])
+            });
+            let ([most, max], [energy, squares]) = plain;
+            if SquareSum::is_plain(energy, most) && SquareSum::is_plain(squares, max) {
+                return (max, SquareSum::plain(energy), SquareSum::plain(squares));
+            }
+            // Squares that leave the range, or NaN.
+            let mut sums = (max, SquareSum::default(), SquareSum::default());
+            for (x, d) in pairs() {
+                sums.1.add(x);
+                sums.2.add(d);
+            }
+            sums
         });
-        let sum = pieces.into_iter().fold((0.0f64, 0.0, 0.0), |a, b| (a.0.max(b.0), a.1 + b.1, a.2 + b.2));
-        let (max, squares, energy) = sum;
-        let relative = if squares == 0.0 { 0.0 } else { (squares / energy).sqrt() };
-        Self { max, rms: (squares / (original.len() as f64).max(1.0)).sqrt(), relative }
+        let nothing = (0.0f64, SquareSum::default(), SquareSum::default());
+        let sum = pieces.into_iter().fold(nothing, |a, b| (a.0.max(b.0), a.1.merge(b.1), a.2.merge(b.2)));
+        let (max, energy, squares) = sum;
+        Self { max, rms: squares.root_mean(original.len() as f64), relative: squares.root_ratio(energy) }
     }
 }

@@ -27,12 +27,14 @@ impl Product1d {
     /// A plan for signals of `size` coefficients.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `size` is one.
+    /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] if the scratch cannot be addressed.
     pub fn new(size: usize) -> Result<Self> {
-        if size.is_power_of_two() {
-            Ok(Self { size })
-        } else {
-            Err(Error::NotPowerOfTwo { what: "1D size", got: size })
+        match size.checked_mul(3) {
+            _ if !size.is_power_of_two() => Err(Error::NotPowerOfTwo { what: "1D size", got: size }),
+            None => {
+                Err(Error::OutOfRange { what: "1D size", got: size as f64, allowed: "addressable, with its scratch" })
+            }
+            Some(_) => Ok(Self { size }),
         }
     }
 
@@ -101,12 +103,12 @@ impl Product2d {
     /// A plan for signals of `side`² coefficients.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `side` is one.
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] if an image cannot be addressed.
     pub fn new(side: usize) -> Result<Self> {
-        if side.is_power_of_two() {
-            Ok(Self { side })
-        } else {
-            Err(Error::NotPowerOfTwo { what: "2D side", got: side })
+        match side.checked_mul(side) {
+            _ if !side.is_power_of_two() => Err(Error::NotPowerOfTwo { what: "2D side", got: side }),
+            None => Err(Error::OutOfRange { what: "2D side", got: side as f64, allowed: "addressable when squared" }),
+            Some(_) => Ok(Self { side }),
         }
     }
 

@@ -27,19 +27,26 @@ pub struct Pyramid<T> {
 }
 
 impl<T: Real> Pyramid<T> {
+    /// The largest size that is allowed.
+    pub const MAX_SIZE: usize = 1 << 15;
+
     /// A pyramid of zeros over `size` × `size` pixels.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `size` is 1, 2, 4, …; [`Error::OutOfRange`] if it cannot be addressed.
+    /// [`Error::NotPowerOfTwo`] unless `size` is 1, 2, 4, …; [`Error::OutOfRange`] above [`MAX_SIZE`](Self::MAX_SIZE).
     pub fn new(size: usize) -> Result<Self> {
+        let levels = Self::levels_of(size)?;
+        Ok(Self { levels, values: vec![T::zero(); kernels::pyramid_offset(levels + 1)] })
+    }
+
+    fn levels_of(size: usize) -> Result<u32> {
         if !size.is_power_of_two() {
             return Err(Error::NotPowerOfTwo { what: "pyramid size", got: size });
         }
-        let levels = size.ilog2();
-        if 2 * levels + 2 >= usize::BITS {
-            return Err(Error::OutOfRange { what: "pyramid size", got: size as f64, allowed: "addressable" });
+        if size > Self::MAX_SIZE {
+            return Err(Error::OutOfRange { what: "pyramid size", got: size as f64, allowed: "at most 32768" });
         }
-        Ok(Self { levels, values: vec![T::zero(); kernels::pyramid_offset(levels + 1)] })
+        Ok(size.ilog2())
     }
 
     /// The pyramid of row-major pixels.
@@ -47,8 +54,8 @@ impl<T: Real> Pyramid<T> {
     /// # Errors
     /// Those of [`new`](Self::new); [`Error::Length`] unless there are size² pixels.
     pub fn from_pixels(size: usize, pixels: &[T]) -> Result<Self> {
+        Self::check("pixels", size, pixels)?;
         let mut pyramid = Self::new(size)?;
-        pyramid.check("pixels", pixels)?;
         pyramid.set_pixels(pixels);
         Ok(pyramid)
     }
@@ -58,14 +65,16 @@ impl<T: Real> Pyramid<T> {
     /// # Errors
     /// Those of [`new`](Self::new); [`Error::Length`] unless there are size² coefficients.
     pub fn from_coefficients(size: usize, coefs: &[T]) -> Result<Self> {
+        Self::check("coefficients", size, coefs)?;
         let mut pyramid = Self::new(size)?;
-        pyramid.check("coefficients", coefs)?;
         pyramid.set_coefficients(coefs);
         Ok(pyramid)
     }
 
-    fn check(&self, what: &'static str, slice: &[T]) -> Result<()> {
-        let expected = self.size() * self.size();
+    /// Checks a length before anything of the size is allocated.
+    fn check(what: &'static str, size: usize, slice: &[T]) -> Result<()> {
+        Self::levels_of(size)?;
+        let expected = size * size;
         if slice.len() == expected { Ok(()) } else { Err(Error::Length { what, expected, got: slice.len() }) }
     }
 

@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::{Index2d, Pyramid, SparseVector};
+use crate::numeric::SquareSum;
 use crate::{Error, Real, Result};
 
 /// What a term is worth: the key κ_i by which terms are ranked, largest first.
@@ -48,12 +49,23 @@ pub enum Keep {
 
 impl Keep {
     /// How many terms of `len` are kept, before scaling functions that are always kept: at most `len`, and all of them for a
-    /// fraction above 1.
+    /// fraction above 1, none for one that is negative or NaN (which what takes a `Keep` refuses).
     pub fn of(self, len: usize) -> usize {
         match self {
             Self::Terms(n) => n.min(len),
             // The product's own rounding must not cost a term: 0.07·100 is 7.000000000000001.
             Self::Fraction(f) => ((f * len as f64 * (1.0 - 2.0 * f64::EPSILON)).ceil() as usize).min(len),
+        }
+    }
+
+    /// # Errors
+    /// [`Error::OutOfRange`] for a fraction outside [0, 1].
+    pub(crate) fn check(self) -> Result<()> {
+        match self {
+            Self::Fraction(got) if !(0.0..=1.0).contains(&got) => {
+                Err(Error::OutOfRange { what: "fraction of terms", got, allowed: "in [0, 1]" })
+            }
+            _ => Ok(()),
         }
     }
 }
@@ -337,12 +349,8 @@ impl<'a, T: Real> Selection<'a, T> {
     }
 
     fn terms(&self, len: usize) -> Result<usize> {
-        match self.keep {
-            Keep::Fraction(got) if !(0.0..=1.0).contains(&got) => {
-                Err(Error::OutOfRange { what: "fraction of terms", got, allowed: "in [0, 1]" })
-            }
-            keep => Ok(keep.of(len)),
-        }
+        self.keep.check()?;
+        Ok(self.keep.of(len))
     }
 
     /// The weight of coefficient i where it is not a power of its level alone.
@@ -423,7 +431,7 @@ pub fn select<T: Real>(coefs: &[T], keep: Keep, weighting: Weighting<'_, T>) -> 
 }
 
 /// Weights for [`Weighting::Transport`]: the norms of a transport matrix's columns, from its rows (one a receiver).
-///   w_i = √(Σ_v T_vi²), summed in f64
+///   w_i = √(Σ_v T_vi²), summed in f64; held at the largest number of T where finite elements exceed it
 ///
 /// # Errors
 /// [`Error::Length`] unless every row is `len` long.
@@ -431,14 +439,15 @@ pub fn transport_weights<'a, T: Real>(
     len: usize,
     rows: impl IntoIterator<Item = &'a SparseVector<T>>,
 ) -> Result<Vec<T>> {
-    let mut squares = vec![0.0; len];
+    let mut squares = vec![SquareSum::default(); len];
     for row in rows {
         if row.len() != len {
             return Err(Error::Length { what: "transport row", expected: len, got: row.len() });
         }
         for (i, v) in row.iter() {
-            squares[i] += v.widen() * v.widen();
+            squares[i].add(v.widen());
         }
     }
-    Ok(squares.into_iter().map(|s: f64| T::of(s.sqrt())).collect())
+    let narrow = |norm: f64| if norm.is_finite() { T::of(norm).min(T::max_value()) } else { T::of(norm) };
+    Ok(squares.into_iter().map(|squares| narrow(squares.root())).collect())
 }

@@ -135,12 +135,17 @@ fn negative(kind: Kind, right: usize, low: usize) -> bool {
 ///   1 + 3(N − 1) + 3 Σ_l l 2^l = 3N log₂N − 3N + 4: 52, 148, 388, 964 for N = 8, 16, 32, 64
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `size` is one.
+/// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2⁵⁶, where the number leaves 64 bits.
 pub fn tripling_count_1d(size: usize) -> Result<u64> {
     let levels = log2("1D basis size", size)?;
     // Σ_{l<k} l 2^l = (k − 2) 2^k + 2, and 1 + 3(N−1) + 3((k−2)N + 2) = 3kN − 3N + 4.
-    let (n, k) = (size as u64, u64::from(levels));
-    Ok(3 * k * n + 4 - 3 * n)
+    let (n, k) = (size as u128, u128::from(levels));
+    let allowed = "at most 2^56, for a number of triples that fits 64 bits";
+    u64::try_from(3 * k * n + 4 - 3 * n).map_err(|_| Error::OutOfRange {
+        what: "1D basis size",
+        got: size as f64,
+        allowed,
+    })
 }
 
 /// How many of the side⁶ ordered triples of the 2D nonstandard basis have C_ijk ≠ 0.
@@ -148,12 +153,17 @@ pub fn tripling_count_1d(size: usize) -> Result<u64> {
 ///   1 + 3(N² − 1) + 6 (N² − 1)/3 + 27 Σ_l l 4^l: 1288 for side 8
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `side` is one.
+/// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 2²⁸, where the number leaves 64 bits.
 pub fn tripling_count_2d(side: usize) -> Result<u64> {
     let levels = log2("2D basis side", side)?;
-    let details = (side as u64).pow(2) - 1;
-    let nested: u64 = (0..u64::from(levels)).map(|l| l << (2 * l)).sum();
-    Ok(1 + 5 * details + 27 * nested)
+    let allowed = "at most 2^28, for a number of triples that fits 64 bits";
+    let refused = Error::OutOfRange { what: "2D basis side", got: side as f64, allowed };
+    if levels > 31 {
+        return Err(refused);
+    }
+    let details = (side as u128).pow(2) - 1;
+    let nested: u128 = (0..u128::from(levels)).map(|l| l << (2 * l)).sum();
+    u64::try_from(1 + 5 * details + 27 * nested).map_err(|_| refused)
 }
 
 fn log2(what: &'static str, size: usize) -> Result<u32> {
@@ -204,9 +214,12 @@ pub fn tripling_nonzeros_1d(size: usize) -> Result<impl Iterator<Item = ([usize;
 /// Cost: proportional to the output, Θ(N log N) for N = side² functions.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `side` is one.
+/// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] if side² does not fit `usize`.
 pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize; 3], Tripling)>> {
     let levels = log2("2D basis side", side)?;
+    if side.checked_mul(side).is_none() {
+        return Err(Error::OutOfRange { what: "2D basis side", got: side as f64, allowed: "such that side^2 fits" });
+    }
     Ok((0..side * side).flat_map(move |i| {
         let own = Index2d::from_flat(i);
         let (own_level, first) = match own {
@@ -303,9 +316,19 @@ mod tests {
         let counts: Vec<u64> = [8, 16, 32, 64].map(|n| tripling_count_1d(n).unwrap()).to_vec();
         assert_eq!(counts, [52, 148, 388, 964]);
         assert_eq!(tripling_count_2d(8).unwrap(), 1288);
-        for bad in [0, 3, 12] {
+        for bad in [0, 3, 12, usize::MAX] {
             assert!(tripling_count_1d(bad).is_err() && tripling_count_2d(bad).is_err());
             assert!(tripling_nonzeros_1d(bad).is_err() && tripling_nonzeros_2d(bad).is_err());
         }
+        // 3kN − 3N + 4 with k = 56; the next is beyond 2^64.
+        assert_eq!(tripling_count_1d(1 << 56).unwrap(), (165 << 56) + 4);
+        // 1 + 5(4^28 − 1) + 27 Σ_{l<28} l 4^l with Σ_{l<k} l 4^l = ((3k − 4) 4^k + 4)/9.
+        let area = 1u128 << 56;
+        assert_eq!(u128::from(tripling_count_2d(1 << 28).unwrap()), 1 + 5 * (area - 1) + 3 * (80 * area + 4));
+        for (large, side) in [(57, 29), (62, 31), (63, 32), (63, 63)] {
+            assert!(matches!(tripling_count_1d(1 << large), Err(Error::OutOfRange { .. })));
+            assert!(matches!(tripling_count_2d(1 << side), Err(Error::OutOfRange { .. })));
+        }
+        assert!(matches!(tripling_nonzeros_2d(1 << 32), Err(Error::OutOfRange { .. })));
     }
 }

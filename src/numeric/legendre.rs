@@ -3,7 +3,7 @@
 use crate::Real;
 use crate::error::check_length;
 
-/// P_l(x), l ≥ 0. For many degrees at one x use [`legendre_all`]; the bits are the same.
+/// P_l(x), l ≥ 0. For many degrees at one x use [`legendre_all`]; the bits are the same. Cost: l steps of the recurrence.
 ///
 /// # Example
 /// ```

@@ -12,3 +12,4 @@ pub use quadrature::GaussLegendre;
 pub use safe::{safe_acos, safe_asin, safe_sqrt};
 pub(crate) use stack::align_stack;
 pub use sum::CompensatedSum;
+pub(crate) use sum::SquareSum;

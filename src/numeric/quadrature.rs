@@ -14,15 +14,22 @@ pub struct GaussLegendre {
 }
 
 impl GaussLegendre {
+    /// The most points that are allowed.
+    pub const MAX_POINTS: usize = 1 << 14;
+
     /// The rule of `n` points.
     ///
     /// Newton iteration on P_n from Tricomi's first guess, with the three-term recurrence for P_n and its derivative.
     ///
     /// # Errors
-    /// [`Error::Empty`] for `n` = 0.
+    /// [`Error::Empty`] for `n` = 0; [`Error::OutOfRange`] above [`MAX_POINTS`](Self::MAX_POINTS).
     pub fn new(n: usize) -> Result<Self> {
         if n == 0 {
             return Err(Error::Empty { what: "Gauss–Legendre rule" });
+        }
+        if n > Self::MAX_POINTS {
+            let allowed = "at most 16384";
+            return Err(Error::OutOfRange { what: "points of a Gauss–Legendre rule", got: n as f64, allowed });
         }
         let mut nodes = vec![0.0; n];
         let mut weights = vec![0.0; n];
@@ -63,7 +70,8 @@ impl GaussLegendre {
     /// # Ok::<(), haarmonic::Error>(())
     /// ```
     pub fn integrate(&self, a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
-        let (middle, half) = (0.5 * (a + b), 0.5 * (b - a));
+        // Halved before they are added, or the largest numbers would overflow.
+        let (middle, half) = (0.5 * a + 0.5 * b, 0.5 * b - 0.5 * a);
         half * self.nodes.iter().zip(&self.weights).map(|(x, w)| w * f(middle + half * x)).sum::<f64>()
     }
 
@@ -126,7 +134,10 @@ mod tests {
     }
 
     #[test]
-    fn no_points_is_an_error() {
+    fn no_points_and_too_many_are_errors() {
         assert!(GaussLegendre::new(0).is_err());
+        for n in [GaussLegendre::MAX_POINTS + 1, usize::MAX] {
+            assert!(matches!(GaussLegendre::new(n), Err(Error::OutOfRange { .. })));
+        }
     }
 }

@@ -49,12 +49,13 @@ impl Face {
 
     /// The face that a direction hits and the point (u, v) ∈ [−1, 1]² where it does.
     ///
-    /// `direction` need not be unit. Ties of the largest component go to x, then y. The zero vector gives (+Z, 0, 0).
+    /// `direction` need not be unit. Ties of the largest component go to x, then y. The zero vector gives (+Z, 0, 0). A component that
+    /// is NaN gives u and v that are NaN on some face, and so do infinite ones, which have no direction.
     #[inline]
     pub fn locate(direction: &Vector3<f64>) -> (Self, f64, f64) {
         let d = direction;
         let (ax, ay, az) = (d.x.abs(), d.y.abs(), d.z.abs());
-        if ax.max(ay).max(az) == 0.0 {
+        if ax == 0.0 && ay == 0.0 && az == 0.0 {
             return (Self::PosZ, 0.0, 0.0);
         }
         let (face, major) = if ax >= ay && ax >= az {
@@ -151,7 +152,8 @@ impl CubeGrid {
         (0..self.len()).map(|i| self.direction(i)).collect()
     }
 
-    /// The flat index of the texel that a direction falls into (ties as in [`Face::locate`]).
+    /// The flat index of the texel that a direction falls into (ties as in [`Face::locate`]); of some texel if a component is NaN or
+    /// infinite.
     #[inline]
     pub fn nearest(self, direction: &Vector3<f64>) -> usize {
         let (face, u, v) = Face::locate(direction);
@@ -188,8 +190,13 @@ impl CubeGrid {
     /// assert!((face - 4.0 * std::f64::consts::PI / 6.0).abs() < 1e-15);
     /// # Ok::<(), haarmonic::Error>(())
     /// ```
+    ///
+    /// # Panics
+    /// If x or y is not below the side.
     #[inline]
+    #[track_caller]
     pub fn solid_angle(self, x: usize, y: usize) -> f64 {
+        assert!(x < self.side && y < self.side, "texel ({x}, {y}) of a face of side {}", self.side);
         rectangle_solid_angle([self.line(x), self.line(x + 1)], [self.line(y), self.line(y + 1)])
     }
 

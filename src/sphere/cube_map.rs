@@ -83,7 +83,7 @@ impl<P: Texel> CubeMap<P> {
         self.texels.iter().position(|t| !t.is_finite())
     }
 
-    /// The texel that a direction falls into.
+    /// The texel that a direction falls into; some texel if a component is NaN or infinite.
     #[inline]
     pub fn nearest(&self, direction: &Vector3<f64>) -> P {
         self.texels[self.grid.nearest(direction)]
@@ -93,7 +93,8 @@ impl<P: Texel> CubeMap<P> {
     ///
     /// Beyond an edge lies the row of texels of the adjacent face: on the edge itself both faces see the same two texels
     /// with the same weights, because their coordinates along the edge agree. At a corner there is no fourth texel; the
-    /// mean of the three stands in for it, and all three faces agree on (a + b + c)/3. A NaN direction gives NaN.
+    /// mean of the three stands in for it, and all three faces agree on (a + b + c)/3. A direction with a component that
+    /// is NaN or infinite gives NaN.
     pub fn bilinear(&self, direction: &Vector3<f64>) -> P::Wide {
         let (face, u, v) = Face::locate(direction);
         let side = self.grid.side();

@@ -66,7 +66,7 @@ impl LatLongGrid {
         (0.5 + d.x.atan2(-d.z) / (2.0 * PI), d.x.hypot(d.z).atan2(d.y) / PI)
     }
 
-    /// The unit direction of the image point (u, v).
+    /// The unit direction of the image point (u, v), which go on around outside [0, 1]; NaN where an angle 2πu or πv is not finite.
     #[inline]
     pub fn point(u: f64, v: f64) -> UnitVector3<f64> {
         let ((sin_u, cos_u), (sin_v, cos_v)) = ((2.0 * PI * (u - 0.5)).sin_cos(), (PI * v).sin_cos());
@@ -84,7 +84,7 @@ impl LatLongGrid {
         Self::point((x as f64 + 0.5) / self.width as f64, (y as f64 + 0.5) / self.height as f64)
     }
 
-    /// The flat index of the pixel that a direction falls into.
+    /// The flat index of the pixel that a direction falls into; of some pixel if a component is NaN.
     #[inline]
     pub fn nearest(self, direction: &Vector3<f64>) -> usize {
         let (u, v) = Self::locate(direction);
@@ -95,8 +95,13 @@ impl LatLongGrid {
     /// The exact solid angle of every pixel of a row, in steradians.
     ///
     ///   Ω = 2π/W · (cos πr/H − cos π(r + 1)/H) = 4π/W · sin(π(2r + 1)/2H) sin(π/2H)
+    ///
+    /// # Panics
+    /// If there is no such row.
     #[inline]
+    #[track_caller]
     pub fn solid_angle(self, row: usize) -> f64 {
+        assert!(row < self.height, "row {row} of {}", self.height);
         let half = FRAC_PI_2 / self.height as f64;
         4.0 * PI / self.width as f64 * ((2 * row + 1) as f64 * half).sin() * half.sin()
     }

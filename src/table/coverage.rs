@@ -28,7 +28,7 @@ fn half_edges(distance: f64, edge: f64) -> f64 {
     } else if edge <= 0.0 {
         distance * f64::INFINITY
     } else {
-        2.0 * distance / edge
+        2.0 * (distance / edge)
     }
 }
 
@@ -47,11 +47,12 @@ pub fn linear_coverage(distance: f64, edge: f64) -> f64 {
 /// With a ≥ b ≥ 0 the absolute components of its unit normal and t = 2|D|/e,
 ///   1 − C = ½ − t/(2a) for t ≤ a − b,  (a + b − t)²/(8ab) up to a + b,  then 0;   C(−D) = 1 − C(D).
 ///
-/// `normal` points to the visible side; its length and sign do not matter, and 0 gives [`mean_coverage`].
+/// `normal` points to the visible side; its length and sign do not matter, and 0 gives [`mean_coverage`]. Infinite components outweigh
+/// finite ones and each other not at all. A distance and an edge that are both infinite give NaN.
 /// e ≤ 0 gives 0, ½ or 1 by the sign of D; NaN gives NaN. Accuracy: some ε.
 #[inline]
 pub fn half_plane_coverage(distance: f64, edge: f64, normal: [f64; 2]) -> f64 {
-    let [x, y] = normal.map(f64::abs);
+    let [x, y] = in_range(normal.map(f64::abs));
     let length = x.hypot(y);
     if length == 0.0 {
         return mean_coverage(distance, edge);
@@ -68,6 +69,19 @@ pub fn half_plane_coverage(distance: f64, edge: f64, normal: [f64; 2]) -> f64 {
         corner * corner / (8.0 * a * b)
     };
     if ratio >= 0.0 { 1.0 - beyond } else { beyond }
+}
+
+/// A vector of that direction (components at least 0) whose length neither overflows nor has lost digits.
+#[inline(always)]
+fn in_range([x, y]: [f64; 2]) -> [f64; 2] {
+    let largest = x.max(y);
+    if largest == f64::INFINITY {
+        return [x, y].map(|c| if c.is_nan() { c } else { f64::from(u8::from(c == largest)) });
+    }
+    if largest > 0.0 && !(1e-290..=1e290).contains(&largest) {
+        return [x / largest, y / largest];
+    }
+    [x, y]
 }
 
 /// [`half_plane_coverage`] averaged over the direction of the normal.

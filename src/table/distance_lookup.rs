@@ -54,7 +54,7 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// The gradient of [`at`](Self::at); its direction is that from the nearest boundary into what is visible.
     ///
-    /// Beyond the outermost centres of an open map, where [`at`](Self::at) is held, that of the nearest place inside.
+    /// Beyond the outermost centres of an open map, where [`at`](Self::at) is held, that of the nearest place inside. NaN gives NaN.
     #[inline]
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         self.find(point).gradient
@@ -62,6 +62,7 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// The visible share of a square of edge `edge` around a point, from one look-up.  [Xu 2006 eq. 9, corrected]
     ///
+    /// An infinite centre is beyond the frame, with all that follows of it; NaN gives NaN.
     /// Accuracy: see docs/table.md for each form; none sees what is thinner than the square, where a
     /// [`SummedArea`](crate::table::SummedArea) of the map does.
     #[inline]
@@ -85,12 +86,25 @@ impl<'a> VisibilityDistanceRef<'a> {
         let (top, bottom) = (a + u.within * (b - a), c + u.within * (d - c));
         let mut distance = top + v.within * (bottom - top);
         let mut gradient = [(b - a) + v.within * ((d - c) - (b - a)), bottom - top];
+        if u.within.is_nan() || v.within.is_nan() {
+            gradient = [f64::NAN; 2];
+        }
         if self.frame == Frame::Zero {
             let away = u.beyond.hypot(v.beyond);
             if away > 0.0 {
                 distance -= away;
-                for (slope, beyond) in gradient.iter_mut().zip([u.beyond, v.beyond]) {
-                    *slope = if beyond == 0.0 { *slope } else { -beyond / away };
+                // Of an infinite or nearly infinite distance only the direction is left.
+                let far = away > 1e300;
+                let size = u.beyond.abs().max(v.beyond.abs());
+                let [x, y] = [u.beyond, v.beyond].map(|beyond| match beyond {
+                    _ if !far => beyond,
+                    _ if size.is_finite() => beyond / size,
+                    _ if beyond.is_infinite() => beyond.signum(),
+                    _ => 0.0 * beyond, // NaN stays
+                });
+                let away = if far { x.hypot(y) } else { away };
+                for (slope, (beyond, step)) in gradient.iter_mut().zip([(u.beyond, x), (v.beyond, y)]) {
+                    *slope = if beyond == 0.0 { *slope } else { -step / away };
                 }
             }
         }

@@ -86,9 +86,12 @@ impl DiskGrid {
         self.side
     }
 
-    /// Whether the centre of a pixel is in the closed unit disk.
+    /// Whether the centre of a pixel is in the closed unit disk; no pixel outside the grid is.
     #[inline]
     pub fn contains(&self, x: usize, y: usize) -> bool {
+        if x >= self.side || y >= self.side {
+            return false;
+        }
         let n = self.side as i64;
         // 2·side times the centre, in integers: the mask is symmetric, whatever the side.
         let [u, v] = [x, y].map(|k| 2 * k as i64 + 1 - n);

@@ -37,7 +37,9 @@ impl<T: Real> SummedAreaStack<T> {
     /// [`Error::Length`] unless there are layers·width·height samples; [`Error::OutOfRange`] if the tables cannot be addressed.
     pub fn new<S: Real>(size: [usize; 2], layers: usize, samples: &[S]) -> Result<Self> {
         let [width, height] = size;
-        let count = (width as u128 + 1) * (height as u128 + 1) * layers as u128;
+        // One layer must be addressable even where there is none.
+        let layer = (width as u128 + 1).saturating_mul(height as u128 + 1);
+        let count = layer.saturating_mul(layers.max(1) as u128);
         if count > (isize::MAX as u128) / 16 {
             return Err(Error::OutOfRange { what: "stack of tables", got: count as f64, allowed: "addressable" });
         }

@@ -42,7 +42,8 @@ impl SummedAreaPlan {
     /// # Errors
     /// [`Error::OutOfRange`] if a table cannot be addressed.
     pub fn new(width: usize, height: usize) -> Result<Self> {
-        let entries = (width as u128 + 1) * (height as u128 + 1);
+        // Of 65 bits each: the product of the largest two does not fit 128.
+        let entries = (width as u128 + 1).saturating_mul(height as u128 + 1);
         if entries > (isize::MAX as u128) / 16 {
             return Err(Error::OutOfRange { what: "summed-area table", got: entries as f64, allowed: "addressable" });
         }

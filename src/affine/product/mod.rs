@@ -81,8 +81,12 @@ impl AffineProduct1d {
     /// The plan of a signal's coefficients (flat 1D index).
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless its length is one.
+    /// [`Error::NotPowerOfTwo`] unless its length is one; [`Error::OutOfRange`] above 2²⁶.
     pub fn new<T: Real>(source: &SparseVector<T>) -> Result<Self> {
+        if super::coupling::levels_of("size of a signal", source.len())? > 26 {
+            let got = source.len() as f64;
+            return Err(Error::OutOfRange { what: "size of a signal", got, allowed: "at most 2^26" });
+        }
         let dense: Vec<f64> = source.to_dense().iter().map(|c| c.widen()).collect();
         let table = Table1d::new(&inverse_1d(&dense)?);
         Ok(Self { terms: Terms::new([source], |i| [Atom::from_flat(i)]), table })
@@ -239,7 +243,7 @@ fn side_of(len: usize) -> Result<usize> {
 /// ∫ F(s v + o) G(v) dv of sparse 1D signals = Σ_ij F_i G_j D_ij: plans an [`AffineProduct1d`] and discards it.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless the lengths are powers of two.
+/// [`Error::NotPowerOfTwo`] unless the lengths are powers of two; [`Error::OutOfRange`] above 2²⁶, of g or w above 2³⁰.
 pub fn affine_double_product_1d<T: Real>(f: &SparseVector<T>, g: &SparseVector<T>, map: AffineMap) -> Result<f64> {
     Ok(AffineProduct1d::new(f)?.integral([&BinaryTree::new(g)?], map))
 }
@@ -247,7 +251,7 @@ pub fn affine_double_product_1d<T: Real>(f: &SparseVector<T>, g: &SparseVector<T
 /// ∫ F(s v + o) G(v) W(v) dv of sparse 1D signals = Σ_ijk F_i G_j W_k D_ijk: plans an [`AffineProduct1d`] and discards it.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless the lengths are powers of two.
+/// [`Error::NotPowerOfTwo`] unless the lengths are powers of two; [`Error::OutOfRange`] above 2²⁶, of g or w above 2³⁰.
 pub fn affine_triple_product_1d<T: Real>(
     f: &SparseVector<T>,
     g: &SparseVector<T>,

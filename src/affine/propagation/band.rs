@@ -6,7 +6,8 @@
 use std::ops::Range;
 
 use crate::Real;
-use crate::affine::{AffineMap, Parameter};
+use crate::affine::exact_sum::{exact_product, exact_sum};
+use crate::affine::{AffineMap, Parameter, pixel_coupling_slope};
 
 /// What the weights are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +47,8 @@ impl<T: Real> Band<T> {
         self.weight.resize(cells * self.count, T::zero());
         let room = (cells - self.count) as f64;
         for k in self.active.clone() {
-            let (from, to) = (s * k as f64 + o, s * (k + 1) as f64 + o);
-            self.base[k] = ((from.min(to)).floor() - margin as f64).clamp(0.0, room) as u32;
+            let lower_end = if s > 0.0 { k } else { k + 1 };
+            self.base[k] = (image_cell(s, lower_end as f64, o) - margin as f64).clamp(0.0, room) as u32;
         }
         let edge = |m: f64| (m - o) / s;
         for k in self.active.clone() {
@@ -63,7 +64,11 @@ impl<T: Real> Band<T> {
                             Parameter::Scale => -b / s,
                             Parameter::Offset => -n / s,
                         };
-                        overlap_slope([before, after], [velocity(before), velocity(after)], k0)
+                        if at_border(before, k0) || at_border(after, k0) {
+                            slope_at_border(cells, base as usize + q, k, map, parameter)
+                        } else {
+                            overlap_slope([before, after], [velocity(before), velocity(after)], k0)
+                        }
                     }
                 });
                 before = after;
@@ -104,6 +109,34 @@ impl<T: Real> Band<T> {
             }
         }
     }
+}
+
+/// ⌊s k + o⌋: where rounding s k + o would cross the end of a cell, the cell below it would be missed, which at a small |s| is all that
+/// target cell k sees.
+#[inline(always)]
+fn image_cell(s: f64, k: f64, o: f64) -> f64 {
+    let (product, product_low) = exact_product(s, k);
+    let (sum, sum_low) = exact_sum(product, o);
+    let (high, low) = exact_sum(sum, sum_low + product_low);
+    let cell = high.floor();
+    if cell == high && low < 0.0 { cell - 1.0 } else { cell }
+}
+
+/// Whether an end may, but for its rounding, lie on an end of target cell k.
+#[inline(always)]
+fn at_border(end: f64, k: f64) -> bool {
+    let near = 4.0 * f64::EPSILON * (k + 1.0);
+    (end - k).abs() <= near || (end - k - 1.0).abs() <= near
+}
+
+/// The slope of the weight of source cell i in target cell k, with the sides of all ends decided without rounding.
+#[cold]
+fn slope_at_border(cells: usize, i: usize, k: usize, map: AffineMap, parameter: Parameter) -> f64 {
+    let along = match parameter {
+        Parameter::Scale => [1.0, 0.0],
+        Parameter::Offset => [0.0, 1.0],
+    };
+    pixel_coupling_slope(cells, i, k, map, along)
 }
 
 /// |[b, a) ∩ [k, k + 1)| of the ends b and a in either order.

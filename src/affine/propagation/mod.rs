@@ -31,7 +31,7 @@ pub enum PropagationRoute {
     /// the terms: dense sources.
     Pixels,
     /// Each wanted coefficient from nine look-ups in a summed-area table: a few targets of a dense source. In f64; differences
-    /// of a table lose digits where |s| is small, about ε/(s_x s_y).
+    /// of a table lose digits where |s| is small, about ε/(s_x s_y). Below |s_x s_y| = 2⁻²⁰ pixels are resampled instead.
     Lookups,
 }
 
@@ -57,7 +57,8 @@ pub enum Axis {
 /// ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its [`Targets`].
 ///
 /// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
-/// Accuracy: a few ε of max |F|, by any route but for the caveat of [`PropagationRoute::Lookups`].
+/// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in `f64`, at a target pixel k
+/// that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
 ///
 /// # Example
@@ -114,6 +115,9 @@ impl<T: Real> Default for PropagationScratch<T> {
         Self::new()
     }
 }
+
+/// What a pixel of the target sees of the source, below which differences of a table are mostly rounding.
+const SMALLEST_AREA: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The largest side of a propagation.
 const LARGEST: usize = 4096;
@@ -188,7 +192,11 @@ impl<T: Real> Propagation<T> {
         scratch: &mut PropagationScratch<T>,
     ) {
         self.check(source, targets, &out);
+        let area = (maps[0].scale() * maps[1].scale()).abs();
         match route {
+            PropagationRoute::Lookups if area < SMALLEST_AREA => {
+                self.resample(source, maps, [Weights::Value; 2], targets, out, scratch);
+            }
             PropagationRoute::Pixels => self.resample(source, maps, [Weights::Value; 2], targets, out, scratch),
             PropagationRoute::Lookups => self.look_up(source, maps, targets, out),
             PropagationRoute::Wavelets => match self.decomposition() {

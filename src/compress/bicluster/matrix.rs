@@ -218,8 +218,8 @@ impl SparseMatrix {
     /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
     #[track_caller]
     pub fn multiply<T: Real>(&self, x: &[T], sides: usize, out: &mut [T]) {
-        check_length("right-hand sides", self.columns * sides, x.len());
-        check_length("product", self.rows() * sides, out.len());
+        check_length("right-hand sides", self.columns.saturating_mul(sides), x.len());
+        check_length("product", self.rows().saturating_mul(sides), out.len());
         let scale = T::of(self.scale);
         for_rows(out, sides, 64, |row, out| {
             out.fill(T::zero());

@@ -78,7 +78,7 @@ impl<T: Real> BiclusterMultiplier<T> {
     /// Scratch that a product with `sides` right-hand sides wants: one number a bicluster and side.
     #[inline]
     pub fn scratch_len(&self, sides: usize) -> usize {
-        (self.column_offsets.len() - 1) * sides
+        (self.column_offsets.len() - 1).saturating_mul(sides)
     }
 
     /// T·x for `sides` right-hand sides at once (RGB, several lights).
@@ -90,7 +90,14 @@ impl<T: Real> BiclusterMultiplier<T> {
     /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
     #[track_caller]
     pub fn multiply(&self, x: &[T], sides: usize, out: &mut [T]) {
+        self.check_sides(x, sides, out);
         self.multiply_with_scratch(x, sides, out, &mut vec![T::zero(); self.scratch_len(sides)]);
+    }
+
+    #[track_caller]
+    fn check_sides(&self, x: &[T], sides: usize, out: &[T]) {
+        check_length("right-hand sides", self.columns.saturating_mul(sides), x.len());
+        check_length("product", self.rows.saturating_mul(sides), out.len());
     }
 
     /// As [`multiply`](Self::multiply), without allocating.
@@ -99,8 +106,7 @@ impl<T: Real> BiclusterMultiplier<T> {
     /// As [`multiply`](Self::multiply), and if `scratch` is not [`scratch_len`](Self::scratch_len) long.
     #[track_caller]
     pub fn multiply_with_scratch(&self, x: &[T], sides: usize, out: &mut [T], scratch: &mut [T]) {
-        check_length("right-hand sides", self.columns * sides, x.len());
-        check_length("product", self.rows * sides, out.len());
+        self.check_sides(x, sides, out);
         check_length("scratch", self.scratch_len(sides), scratch.len());
         match sides {
             1 => self.run::<1>(x, out, scratch),

@@ -63,12 +63,12 @@ impl<T: Real> Bases<T> {
         self.data[c * len..][..len].split_at(self.columns)
     }
 
-    /// |x − m|² − Σ (u_j·(x − m))², in `f64`; weights go to `weights` if it is not empty.
+    /// |d|² − Σ (u_j·d)² of d = factor · (x − m), in `f64`; weights go to `weights` if it is not empty.
     #[inline(always)]
-    pub fn distance(&self, c: usize, x: &[T], difference: &mut [f64], weights: &mut [T]) -> f64 {
+    pub fn distance(&self, c: usize, x: &[T], factor: f64, difference: &mut [f64], weights: &mut [T]) -> f64 {
         let (mean, components) = self.cluster(c);
         for ((d, x), m) in difference.iter_mut().zip(x).zip(mean) {
-            *d = x.widen() - m.widen();
+            *d = factor * (x.widen() - m.widen());
         }
         let mut left = dot_wide(difference, difference);
         for (j, u) in components.chunks_exact(self.columns).enumerate() {

@@ -36,7 +36,8 @@ impl<'a, T: Real, P: Progress> Builder<'a, T, P> {
         let moments = Moments::of(matrix, columns)?;
         let centre = moments.mean.iter().map(|&m| T::of(m)).collect();
         let scaling = Scaling::of::<T>(moments.largest);
-        let total = matrix.len() / columns * (2 * settings.iterations + 1);
+        let rounds = settings.iterations.saturating_mul(2).saturating_add(1);
+        let total = (matrix.len() / columns).saturating_mul(rounds);
         let watch = Watch { progress, finished: AtomicUsize::new(0), total };
         Ok(Self { matrix, columns, centre, scaling, settings, watch })
     }
@@ -49,7 +50,7 @@ impl<'a, T: Real, P: Progress> Builder<'a, T, P> {
         let mut finished = false;
         match start {
             Start::Seeds => {
-                let seeds = far_rows(self.matrix, self.columns, clusters, self.settings.seed);
+                let seeds = far_rows(self.matrix, self.columns, clusters, self.settings.seed, self.scaling);
                 let bases = Bases::of_rows(self.matrix, self.columns, &seeds);
                 Nearest::new(&bases, &self.centre, self.scaling).nearest(self.matrix, &mut places, &self.watch)?;
                 self.rounds(0, clusters, &mut places)?;
@@ -63,7 +64,7 @@ impl<'a, T: Real, P: Progress> Builder<'a, T, P> {
                     .for_each(|(place, &label)| *place = Place { label, error: f64::INFINITY });
             }
         }
-        self.watch.skip_to(rows * (self.settings.iterations + 1));
+        self.watch.skip_to(rows.saturating_mul(self.settings.iterations.saturating_add(1)));
         if !finished {
             self.rounds(self.settings.components, clusters, &mut places)?;
         }

@@ -79,7 +79,7 @@ impl<T: Real> ClusteredPca<T> {
     ///
     /// # Errors
     /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`]; [`Error::OutOfRange`] without clusters, for
-    /// a tolerance that is negative or NaN, 2^32 rows, and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
+    /// too many components, a tolerance that is negative or NaN, 2^32 rows, and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
     pub fn new(
         matrix: &[T],
         columns: usize,
@@ -234,7 +234,7 @@ impl<T: Real> ClusteredPca<T> {
 
     /// Length of the scratch of [`multiply_with_scratch`](Self::multiply_with_scratch).
     pub fn scratch_len(&self, sides: usize) -> usize {
-        self.clusters() * (self.components() + 1) * sides
+        (self.clusters() * (self.components() + 1)).saturating_mul(sides)
     }
 
     /// The product with a light, or several, without decoding; allocates.
@@ -245,7 +245,14 @@ impl<T: Real> ClusteredPca<T> {
     /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
     #[track_caller]
     pub fn multiply(&self, x: &[T], sides: usize, out: &mut [T]) {
+        self.check_sides(x, sides, out);
         self.multiply_with_scratch(x, sides, out, &mut vec![T::zero(); self.scratch_len(sides)]);
+    }
+
+    #[track_caller]
+    fn check_sides(&self, x: &[T], sides: usize, out: &[T]) {
+        check_length("right-hand sides", self.columns().saturating_mul(sides), x.len());
+        check_length("product", self.rows().saturating_mul(sides), out.len());
     }
 
     /// As [`multiply`](Self::multiply); what the means and components give goes to `scratch`.
@@ -256,8 +263,7 @@ impl<T: Real> ClusteredPca<T> {
     /// As [`multiply`](Self::multiply), and if `scratch` is not [`scratch_len`](Self::scratch_len) long.
     #[track_caller]
     pub fn multiply_with_scratch(&self, x: &[T], sides: usize, out: &mut [T], scratch: &mut [T]) {
-        check_length("right-hand sides", self.columns() * sides, x.len());
-        check_length("product", self.rows() * sides, out.len());
+        self.check_sides(x, sides, out);
         check_length("scratch", self.scratch_len(sides), scratch.len());
         self.meet(x, sides, scratch);
         match sides {
@@ -318,7 +324,7 @@ impl<T: Real> ClusteredPca<T> {
 
 fn check<T>(matrix: &[T], columns: usize, settings: &ClusteredPcaSettings) -> Result<usize> {
     let rows = check_matrix(matrix, columns)?;
-    settings.check()?;
+    settings.check(columns)?;
     if rows > u32::MAX as usize {
         return Err(Error::OutOfRange { what: "rows", got: rows as f64, allowed: "below 2^32" });
     }
@@ -331,6 +337,6 @@ fn weigh<T: Real>(bases: &Bases<T>, rows: &[T], labels: &[u32], weights: &mut [T
     for_rows(weights, bases.components, 64, |row, weights| {
         let mut difference = vec![0.0; bases.columns];
         let x = &rows[row * bases.columns..][..bases.columns];
-        arch.dispatch(|| bases.distance(labels[row] as usize, x, &mut difference, weights));
+        arch.dispatch(|| bases.distance(labels[row] as usize, x, 1.0, &mut difference, weights));
     });
 }

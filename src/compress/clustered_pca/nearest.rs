@@ -29,7 +29,7 @@ pub(super) struct Nearest<'a, T> {
     arch: Arch,
 }
 
-/// The cluster of a row and its squared distance from the row.
+/// The cluster of a row and its squared distance from the row, scaled as the matrix is in products.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Place {
     pub label: u32,
@@ -116,16 +116,16 @@ impl<T: Real> WithSimd for Choose<'_, '_, T> {
     fn with_simd<S: Simd>(self, _: S) {
         let Self { plan, rows, products, places } = self;
         let bases = plan.bases;
-        let mut difference = vec![0.0; bases.columns];
+        let (mut difference, factor) = (vec![0.0; bases.columns], plan.scaling.factor());
         let products = products.chunks_exact(plan.factors.len());
         for ((place, row), products) in places.iter_mut().zip(rows.chunks_exact(bases.columns)).zip(products) {
             let best = plan.best(products) as u32;
-            let error = bases.distance(best as usize, row, &mut difference, &mut []);
+            let error = bases.distance(best as usize, row, factor, &mut difference, &mut []);
             let stay = place.label as usize;
             let before = if best == place.label || stay >= bases.clusters() || bases.sizes[stay] == 0 {
                 f64::INFINITY
             } else {
-                bases.distance(stay, row, &mut difference, &mut [])
+                bases.distance(stay, row, factor, &mut difference, &mut [])
             };
             *place = if before <= error { Place { error: before, ..*place } } else { Place { label: best, error } };
         }
@@ -142,7 +142,7 @@ pub(super) struct Watch<'a, P> {
 impl<P: Progress> Watch<'_, P> {
     pub fn done(&self, rows: usize) {
         let before = self.finished.fetch_add(rows, Ordering::Relaxed);
-        self.progress.advance(before + rows, self.total);
+        self.progress.advance(before.saturating_add(rows).min(self.total), self.total);
     }
 
     /// Goes on to `rows`, whatever was left out.

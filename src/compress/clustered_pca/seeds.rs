@@ -2,6 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::super::dense::Scaling;
 use super::super::parallel::for_rows;
 use super::super::random::Random;
 use crate::Real;
@@ -11,7 +12,15 @@ const SAMPLE: usize = 16;
 
 /// At most `clusters` different rows that are far from each other: of a random sample of 16 rows a cluster the next one is drawn with a probability that
 /// is proportional to its squared distance from those drawn [k-means++, Arthur & Vassilvitskii 2007].
-pub(super) fn far_rows<T: Real>(matrix: &[T], columns: usize, clusters: usize, seed: u64) -> Vec<usize> {
+///
+/// Differences are scaled before they are squared, so that those of tiny numbers do not vanish.
+pub(super) fn far_rows<T: Real>(
+    matrix: &[T],
+    columns: usize,
+    clusters: usize,
+    seed: u64,
+    scaling: Scaling,
+) -> Vec<usize> {
     let rows = matrix.len() / columns;
     let mut random = Random::new(seed, u64::MAX);
     let mut sample: Vec<usize> = (0..rows).collect();
@@ -25,7 +34,8 @@ pub(super) fn far_rows<T: Real>(matrix: &[T], columns: usize, clusters: usize, s
     while drawn.len() < clusters {
         let last = row(drawn[drawn.len() - 1]);
         for_rows(&mut distances, 1, 64, |i, distance| {
-            distance[0] = distance[0].min(arch.dispatch(Distance { a: row(sample[i]), b: last }));
+            distance[0] =
+                distance[0].min(arch.dispatch(Distance { a: row(sample[i]), b: last, factor: scaling.factor() }));
         });
         let total: f64 = distances.iter().sum();
         if !(total > 0.0) {
@@ -43,10 +53,11 @@ pub(super) fn far_rows<T: Real>(matrix: &[T], columns: usize, clusters: usize, s
     drawn
 }
 
-/// |a − b|².
+/// |factor · (a − b)|².
 struct Distance<'a, T> {
     a: &'a [T],
     b: &'a [T],
+    factor: f64,
 }
 
 impl<T: Real> WithSimd for Distance<'_, T> {
@@ -58,11 +69,11 @@ impl<T: Real> WithSimd for Distance<'_, T> {
         let mut sums = [0.0; 8];
         for (a, b) in a.iter().zip(b) {
             for l in 0..8 {
-                let d = a[l].widen() - b[l].widen();
+                let d = self.factor * (a[l].widen() - b[l].widen());
                 sums[l] += d * d;
             }
         }
-        let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (a.widen() - b.widen()).powi(2)).sum::<f64>();
+        let rest = a_rest.iter().zip(b_rest).map(|(a, b)| (self.factor * (a.widen() - b.widen())).powi(2)).sum::<f64>();
         sums.iter().fold(rest, |sum, x| sum + x)
     }
 }

@@ -8,7 +8,7 @@ use crate::{Error, Result};
 pub struct ClusteredPcaSettings {
     /// Most clusters.
     pub clusters: usize,
-    /// Components of each cluster beside its mean; with 0 this is k-means.
+    /// Components of each cluster beside its mean; with 0 this is k-means. At most 65536, or the number of columns if that is more.
     pub components: usize,
     /// Most rounds of k-means, and then of clustering by components; default 20. A round reads the matrix twice.
     pub iterations: usize,
@@ -42,9 +42,14 @@ impl ClusteredPcaSettings {
         Self { seed, ..self }
     }
 
-    pub(super) fn check(&self) -> Result<()> {
+    pub(super) fn check(&self, columns: usize) -> Result<()> {
         if self.clusters == 0 {
             return Err(Error::OutOfRange { what: "clusters", got: 0.0, allowed: "at least 1" });
+        }
+        // Those beyond the columns are zeros, and take memory.
+        if self.components > columns.max(1 << 16) {
+            let (got, allowed) = (self.components as f64, "at most 65536, or the number of columns");
+            return Err(Error::OutOfRange { what: "components of a cluster", got, allowed });
         }
         if !(self.tolerance >= 0.0) {
             return Err(Error::OutOfRange { what: "tolerance", got: self.tolerance, allowed: "at least 0" });

@@ -54,9 +54,13 @@ impl<T: Real> Pca<T> {
     ///
     /// # Errors
     /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`] for NaN and infinite elements;
-    /// [`Error::OutOfRange`] for elements above 1e140, whose squares leave `f64`.
+    /// [`Error::OutOfRange`] for elements above 1e140, whose squares leave `f64`, and for more than 1000 power iterations.
     pub fn new(matrix: &[T], columns: usize, settings: &PcaSettings) -> Result<Self> {
         let rows = check_matrix(matrix, columns)?;
+        if settings.power_iterations > 1000 {
+            let (got, allowed) = (settings.power_iterations as f64, "at most 1000: a few settle all that can be");
+            return Err(Error::OutOfRange { what: "power iterations", got, allowed });
+        }
         let moments = Moments::of(matrix, columns)?;
         let (mean, total) = match settings.centre {
             Centre::Mean => (moments.mean.iter().map(|&m| T::of(m)).collect(), moments.deviation),

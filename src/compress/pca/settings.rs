@@ -36,7 +36,7 @@ pub struct PcaSettings {
     /// Randomised: columns of the sketch beyond the components, default 10. Too few and the last components are poor; each costs as much as a component.
     pub oversampling: usize,
     /// Randomised: rounds of A Aᵀ, default 2. Each divides the error of what the sketch missed by the square of the ratio of singular values and costs
-    /// two products in one pass over the matrix; with none, slowly falling variances (noise) give components that are wrong by a few per cent.
+    /// two products in one pass over the matrix; with none, slowly falling variances (noise) give components that are wrong by a few per cent. At most 1000.
     pub power_iterations: usize,
     /// Randomised: seed of the random matrix.
     pub seed: u64,

@@ -44,7 +44,7 @@ impl<T: Real> QuantisedBytes<T> {
     /// Quantises a row-major matrix; for [`ByteBlocks::Runs`] `columns` may be 1. No numbers are allowed.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
+    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
     pub fn new(values: &[T], columns: usize, blocks: ByteBlocks) -> Result<Self> {
         for (what, got) in [("columns", columns), ("run", if let ByteBlocks::Runs(len) = blocks { len } else { 1 })] {
             if got == 0 {
@@ -54,6 +54,11 @@ impl<T: Real> QuantisedBytes<T> {
         if values.len() % columns != 0 {
             let expected = values.len().next_multiple_of(columns);
             return Err(Error::Length { what: "matrix", expected, got: values.len() });
+        }
+        // Only of a matrix without rows can the columns be more than its numbers.
+        if columns > values.len().max(1 << 16) {
+            let (got, allowed) = (columns as f64, "at most 65536 without rows");
+            return Err(Error::OutOfRange { what: "columns", got, allowed });
         }
         if let Some(index) = values.iter().position(|x| !x.is_finite()) {
             return Err(Error::NotFinite { what: "number", index });

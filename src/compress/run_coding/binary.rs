@@ -90,6 +90,8 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
     ///   Σ_i V_i L_i = L_int\[c_0\] − L_int\[c_1\] + L_int\[c_2\] − …                  [Inger 2013, eq. 5, 6]
     ///
     /// Accuracy: the error of each sum that is looked up; the differences are taken in `f64`. Cost: a look-up a change.
+    /// NaN and infinite samples are in all sums that begin before them, whether the map keeps them or not; not so in
+    /// [`masked_dot`](Self::masked_dot).
     ///
     /// # Panics
     /// If `sums.len()` is not the map's.

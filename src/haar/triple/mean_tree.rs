@@ -33,11 +33,9 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     /// # Errors
     /// As [`Self::zeros`]; [`Error::Length`] unless every channel has side² texels.
     pub fn from_pixels(side: usize, pixels: [&[T]; C]) -> Result<Self> {
+        Self::check("pixels", side, &pixels)?;
         let mut tree = Self::zeros(side)?;
         for (channel, pixels) in pixels.into_iter().enumerate() {
-            if pixels.len() != side * side {
-                return Err(Error::Length { what: "pixels", expected: side * side, got: pixels.len() });
-            }
             for (m, (x, y)) in (0..side * side).map(|m| (m, unmorton(m))) {
                 tree.set(first_node(tree.levels) + m, channel, pixels[y * side + x]);
             }
@@ -51,11 +49,9 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     /// # Errors
     /// As [`Self::zeros`]; [`Error::Length`] unless every channel has side² coefficients.
     pub fn from_coefficients(side: usize, coefficients: [&[T]; C]) -> Result<Self> {
+        Self::check("coefficients", side, &coefficients)?;
         let mut tree = Self::zeros(side)?;
         for (channel, c) in coefficients.into_iter().enumerate() {
-            if c.len() != side * side {
-                return Err(Error::Length { what: "coefficients", expected: side * side, got: c.len() });
-            }
             tree.set(0, channel, c[0]);
             for level in 0..tree.levels {
                 let (count, height) = (1usize << (2 * level), T::of(f64::from(1u32 << level)));
@@ -65,11 +61,20 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
                     let [h, v, d] = [1, 2, 3].map(|kind| height * c[kind * count + at]);
                     let n = first_node(level) + m;
                     let a = tree.mean(n, channel);
-                    tree.blocks[n + 1][channel] = [a + h + v + d, a - h + v - d, a + h - v - d, a - h - v + d];
+                    tree.blocks[n + 1][channel] = children(a, h, v, d);
                 }
             }
         }
         Ok(tree)
+    }
+
+    /// Checks lengths before anything of the size is allocated.
+    fn check(what: &'static str, side: usize, channels: &[&[T]; C]) -> Result<()> {
+        super::levels_of(side)?;
+        match channels.iter().find(|channel| channel.len() != side * side) {
+            Some(channel) => Err(Error::Length { what, expected: side * side, got: channel.len() }),
+            None => Ok(()),
+        }
     }
 
     /// The tree of sparse nonstandard coefficients, one vector a channel.
@@ -113,7 +118,8 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
         for n in (0..first_node(self.levels)).rev() {
             for channel in 0..C {
                 let [a, b, c, d] = self.blocks[n + 1][channel];
-                self.set(n, channel, quarter * ((a + b) + (c + d)));
+                // Scaled before they are added, which changes no bit, or the sum of the largest numbers would overflow.
+                self.set(n, channel, (quarter * a + quarter * b) + (quarter * c + quarter * d));
             }
         }
     }
@@ -180,6 +186,18 @@ impl<T: Real> MeanTree<T> {
     pub fn morton_pixels(&self) -> &[T] {
         &self.flat()[first_node(self.levels) + 3..]
     }
+}
+
+/// The means of the children of a node of mean a and details h, v, d, by (column, row).
+#[inline]
+fn children<T: Real>(a: T, h: T, v: T, d: T) -> [T; 4] {
+    let means = [a + h + v + d, a - h + v - d, a + h - v - d, a - h - v + d];
+    if means.iter().all(|mean| mean.is_finite()) {
+        return means;
+    }
+    // a ± h are means of halves and v ± d halves of differences between texels: what the texels can hold, these can.
+    let (left, right) = (a + h, a - h);
+    [left + (v + d), right + (v - d), left - (v + d), right - (v - d)]
 }
 
 /// The first node of a level; for the level of the texels, the number of nodes.
