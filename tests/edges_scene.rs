@@ -16,7 +16,7 @@ use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
     AshikhminShirley, BinaryVisibility, BlinnPhong, Brdf, BrdfFn, BrdfSpec, Camera, Comparison, CookTorrance,
     DirectionTable, Frame, GroundTruth, Lambert, Materials, Merl, Mesh, Phong, Procedural, Sum, TabulatedBrdf,
-    TexelVisibility, ToneMap, View, Ward, percentile_peak, psnr_db,
+    TexelVisibility, ToneMap, View, VisibilityBaker, VisibilitySettings, Ward, percentile_peak, psnr_db,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
 
@@ -340,7 +340,7 @@ impl Stage {
     /// Vertices 0 and 1 have the first material, 2 and 3 the second.
     fn of(brdfs: Vec<Arc<dyn Brdf>>) -> Self {
         let (mesh, grid) = (square(), CubeGrid::new(16).unwrap());
-        let visibility = BinaryVisibility::from_fn(grid, 4, |_, words| words.fill(u64::MAX));
+        let visibility = VisibilityBaker::new(&mesh, grid, VisibilitySettings::default()).unwrap().bake(&()).unwrap();
         let materials = Materials::new(brdfs, vec![0, 0, 1, 1]).unwrap();
         Self { mesh, visibility, materials, view: View::eye(Vector3::new(0.5, 4.0, 1.0)).unwrap(), grid }
     }
@@ -391,7 +391,7 @@ impl Stage {
         let few = Keep::Fraction(0.1);
         let truth = GroundTruth { mesh: &self.mesh, materials: &self.materials, view: &self.view, light };
         vec![
-            ("ground truth", truth.radiance(&TexelVisibility::Full { grid: self.grid }, &()).map(flat)),
+            ("ground truth", truth.radiance(&TexelVisibility::Binary(&self.visibility), &()).map(flat)),
             ("double", self.double(light, DoubleSettings::default())),
             ("triple, all terms", self.triple(light, Slices::Sampled, Keep::Fraction(1.0))),
             ("triple, few terms", self.triple(light, Slices::Sampled, few)),
@@ -451,7 +451,8 @@ fn a_brdf_of_nan_is_named_by_every_way_to_light() {
     for (way, result) in stage.all(&stage.light(1.0)) {
         let result = result.unwrap();
         let off = result.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(off < 0.1, "{way}: {result:?} {truth:?}");
+        // One block a face: the fixed rule takes few samples of it.
+        assert!(off < 0.2, "{way}: {result:?} {truth:?}");
     }
 }
 

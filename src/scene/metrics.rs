@@ -140,8 +140,15 @@ impl Difference {
         if self.max_abs == 0.0 {
             return f64::INFINITY;
         }
-        let ratio = if self.max_abs.is_finite() { peak / self.max_abs } else { peak / self.largest / self.max_ratio };
-        20.0 * ratio.log10() - 10.0 * (self.scaled_error / self.channels).log10()
+        let ratio = peak / self.max_abs;
+        let level = if ratio.is_normal() {
+            ratio.log10()
+        } else if self.max_abs.is_finite() {
+            peak.log10() - self.max_abs.log10()
+        } else {
+            peak.log10() - self.largest.log10() - self.max_ratio.log10()
+        };
+        20.0 * level - 10.0 * (self.scaled_error / self.channels).log10()
     }
 
     fn rel_l2(&self) -> f64 {

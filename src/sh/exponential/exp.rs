@@ -387,8 +387,8 @@ impl<T: Real> Scaled<T> {
         }
         let largest = f.iter().skip(1).fold(0.0, |m: f64, x| m.max(x.widen().abs()));
         let square: f64 = f.iter().skip(1).map(|x| (x.widen() / largest).powi(2)).sum();
-        // The largest squares beyond f64: scaled below.
-        let norm = (largest * square.sqrt()).min(f64::MAX);
+        // The largest squares beyond f64: scaled below. A constant has 0/0 there.
+        let norm = if largest > 0.0 { (largest * square.sqrt()).min(f64::MAX) } else { 0.0 };
         let squarings = self.squarings(norm);
         let one = &mut [Reduction { norm, squarings, shrink: 0.5f64.powi(squarings as i32), ..Reduction::default() }];
         let (small, rest) = buffers.split_at_mut(f.len());

@@ -49,7 +49,8 @@ impl OptimalLinear {
         }
     }
 
-    /// Fits the tables: what the crate's were made by.
+    /// Fits the tables: what the crate's were made by. Cost, measured on one core: 0.04 s at 8 bands, 0.4 s at 16, 7 s at 32; it grows as
+    /// bands⁴.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32.
