@@ -33,7 +33,8 @@ impl Camera {
         if !(fov_y > 0.0 && fov_y < std::f64::consts::PI) {
             return Err(Error::OutOfRange { what: "vertical field of view", got: fov_y, allowed: "in (0, π)" });
         }
-        let Some(forward) = unit(&(target - eye)) else {
+        // Of the halves, so that it does not overflow.
+        let Some(forward) = unit(&(target - eye)).or_else(|| unit(&(target * 0.5 - eye * 0.5))) else {
             return Err(Error::OutOfRange { what: "distance of the camera's target", got: 0.0, allowed: "positive" });
         };
         let across = |up: &Vector3<f64>| unit(up).and_then(|up| forward.cross(&up).try_normalize(1e-6));

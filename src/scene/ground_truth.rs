@@ -91,7 +91,8 @@ impl GroundTruth<'_> {
     ///
     /// # Errors
     /// [`Error::Length`] if the light's grid is not the visibility's or the lists do not fit the mesh,
-    /// [`Error::NotFinite`] for a light texel or a visibility weight that is NaN or infinite, [`Error::Cancelled`].
+    /// [`Error::NotFinite`] for a light texel, a visibility weight or a BRDF's value that is NaN or infinite (the index is then the
+    /// BRDF's in [`Materials::brdfs`]), [`Error::Cancelled`].
     pub fn radiance(&self, visibility: &TexelVisibility, progress: &dyn Progress) -> Result<Vec<Vector3<f64>>> {
         let vertices = self.mesh.positions().len();
         let texels = self.prepare(visibility, vertices)?;
@@ -103,7 +104,12 @@ impl GroundTruth<'_> {
             }
             let mut scratch = Scratch::new(visibility);
             for (i, radiance) in chunk.iter_mut().enumerate() {
-                *radiance = self.vertex(index * CHUNK + i, &texels, visibility, &mut scratch)?;
+                let vertex = index * CHUNK + i;
+                *radiance = self.vertex(vertex, &texels, visibility, &mut scratch)?;
+                // Light, weights and cosines are finite.
+                if !radiance.iter().all(|c| c.is_finite()) {
+                    return Err(self.materials.not_finite(vertex));
+                }
             }
             let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
             progress.advance(before + chunk.len(), vertices);

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use super::Brdf;
 use crate::{Error, Result};
 
+/// What every method calls a value of a BRDF that it refuses; the error's index is the BRDF's in [`Materials::brdfs`].
+pub(crate) const BRDF_VALUE: &str = "value of BRDF";
+
 /// One BRDF for each part of a mesh, and the part that each vertex belongs to.
 #[derive(Debug, Clone)]
 pub struct Materials {
@@ -83,6 +86,11 @@ impl Materials {
         self.parts == other.parts
             && self.brdfs.len() == other.brdfs.len()
             && self.brdfs.iter().zip(&other.brdfs).all(|(a, b)| Arc::ptr_eq(a, b))
+    }
+
+    /// What says that the BRDF of a vertex, whose part is the index, has values that are NaN or infinite.
+    pub(crate) fn not_finite(&self, vertex: usize) -> Error {
+        Error::NotFinite { what: BRDF_VALUE, index: self.part(vertex) }
     }
 
     /// Checks that there is a part for each of `vertices`.

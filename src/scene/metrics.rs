@@ -12,7 +12,7 @@ pub struct Comparison {
     pub psnr_db: f64,
     /// ‖test − reference‖₂ / ‖reference‖₂ over all channels.
     pub rel_l2: f64,
-    /// The largest absolute difference of a channel.
+    /// The largest absolute difference of a channel; infinite where that is beyond the largest number.
     pub max_abs: f64,
 }
 
@@ -104,6 +104,8 @@ struct Difference {
     /// Σ (difference / max_abs)², 0 if they are identical.
     scaled_error: f64,
     max_abs: f64,
+    /// max_abs/largest, also where max_abs is beyond the largest number.
+    max_ratio: f64,
     /// Σ (reference / largest)², and that largest magnitude.
     scaled_energy: f64,
     largest: f64,
@@ -124,14 +126,29 @@ impl Difference {
         let differences = || reference().zip(test.iter().flat_map(|v| v.iter().map(|c| c.widen()))).map(|(r, t)| t - r);
         let (largest, scaled_energy) = scaled_squares(reference);
         let (max_abs, scaled_error) = scaled_squares(differences);
-        Ok(Self { channels: 3.0 * test.len() as f64, scaled_error, max_abs, scaled_energy, largest })
+        let channels = 3.0 * test.len() as f64;
+        if max_abs.is_finite() {
+            return Ok(Self { channels, scaled_error, max_abs, max_ratio: max_abs / largest, scaled_energy, largest });
+        }
+        // A difference that overflows: the same of the halves, exactly.
+        let halves = || reference().zip(test.iter().flat_map(|v| v.iter().map(|c| c.widen())));
+        let (half, scaled_error) = scaled_squares(|| halves().map(|(r, t)| 0.5 * t - 0.5 * r));
+        Ok(Self { channels, scaled_error, max_abs, max_ratio: half / (0.5 * largest), scaled_energy, largest })
     }
 
     fn psnr_db(&self, peak: f64) -> f64 {
         if self.max_abs == 0.0 {
             return f64::INFINITY;
         }
-        20.0 * (peak / self.max_abs).log10() - 10.0 * (self.scaled_error / self.channels).log10()
+        let ratio = peak / self.max_abs;
+        let level = if ratio.is_normal() {
+            ratio.log10()
+        } else if self.max_abs.is_finite() {
+            peak.log10() - self.max_abs.log10()
+        } else {
+            peak.log10() - self.largest.log10() - self.max_ratio.log10()
+        };
+        20.0 * level - 10.0 * (self.scaled_error / self.channels).log10()
     }
 
     fn rel_l2(&self) -> f64 {
@@ -140,7 +157,7 @@ impl Difference {
         } else if self.largest == 0.0 {
             f64::INFINITY
         } else {
-            self.max_abs / self.largest * (self.scaled_error / self.scaled_energy).sqrt()
+            self.max_ratio * (self.scaled_error / self.scaled_energy).sqrt()
         }
     }
 }

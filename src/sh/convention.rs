@@ -2,7 +2,7 @@
 
 use nalgebra::Complex;
 
-use super::index::index;
+use super::index::{coefficient_count, index};
 use crate::Real;
 use crate::error::check_length;
 
@@ -66,7 +66,7 @@ impl Convention {
     /// If `coefficients.len()` is not bands².
     #[track_caller]
     pub fn export<T: Real>(&self, bands: usize, coefficients: &[T]) -> Vec<T> {
-        check_length("coefficients", bands * bands, coefficients.len());
+        check_length("coefficients", coefficient_count(bands), coefficients.len());
         self.order(bands).map(|(l, m)| coefficients[index(l, m)] * T::of(1.0 / self.scale(l, m))).collect()
     }
 
@@ -76,7 +76,7 @@ impl Convention {
     /// If `coefficients.len()` is not bands².
     #[track_caller]
     pub fn import<T: Real>(&self, bands: usize, coefficients: &[T]) -> Vec<T> {
-        check_length("coefficients", bands * bands, coefficients.len());
+        check_length("coefficients", coefficient_count(bands), coefficients.len());
         let mut out = vec![T::zero(); coefficients.len()];
         for ((l, m), &c) in self.order(bands).zip(coefficients) {
             out[index(l, m)] = c * T::of(self.scale(l, m));
@@ -90,7 +90,7 @@ impl Convention {
     /// If `values.len()` is not bands².
     #[track_caller]
     pub fn export_values<T: Real>(&self, bands: usize, values: &[T]) -> Vec<T> {
-        check_length("values", bands * bands, values.len());
+        check_length("values", coefficient_count(bands), values.len());
         self.order(bands).map(|(l, m)| values[index(l, m)] * T::of(self.scale(l, m))).collect()
     }
 
@@ -136,7 +136,7 @@ impl Convention {
 /// If `coefficients.len()` is not bands².
 #[track_caller]
 pub fn to_complex<T: Real>(bands: usize, coefficients: &[T]) -> Vec<Complex<T>> {
-    check_length("coefficients", bands * bands, coefficients.len());
+    check_length("coefficients", coefficient_count(bands), coefficients.len());
     let mut out = vec![Complex::new(T::zero(), T::zero()); coefficients.len()];
     for l in 0..bands {
         let centre = l * (l + 1);
@@ -160,7 +160,7 @@ pub fn to_complex<T: Real>(bands: usize, coefficients: &[T]) -> Vec<Complex<T>> 
 /// If `coefficients.len()` is not bands².
 #[track_caller]
 pub fn from_complex<T: Real>(bands: usize, coefficients: &[Complex<T>]) -> Vec<T> {
-    check_length("coefficients", bands * bands, coefficients.len());
+    check_length("coefficients", coefficient_count(bands), coefficients.len());
     let mut out = vec![T::zero(); coefficients.len()];
     let half = T::of(0.5f64.sqrt());
     for l in 0..bands {

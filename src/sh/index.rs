@@ -3,7 +3,7 @@
 /// The flat index l(l+1) + m of degree l, order m.
 ///
 /// # Panics
-/// If |m| > l.
+/// If |m| > l, or the index is more than a `usize` holds.
 ///
 /// # Example
 /// ```
@@ -13,6 +13,7 @@
 #[track_caller]
 pub const fn index(l: usize, m: isize) -> usize {
     assert!(m.unsigned_abs() <= l, "the order m of a spherical harmonic is at most its degree l");
+    assert!(l < usize::MAX.isqrt(), "the flat index of this degree is more than a usize holds");
     (l * (l + 1)).wrapping_add_signed(m)
 }
 
@@ -23,10 +24,10 @@ pub const fn degree_order(index: usize) -> (usize, isize) {
     (l, index as isize - (l * (l + 1)) as isize)
 }
 
-/// The number of coefficients of `bands`: bands².
+/// The number of coefficients of `bands`: bands², or `usize::MAX` where that is less.
 #[inline]
 pub const fn coefficient_count(bands: usize) -> usize {
-    bands * bands
+    bands.saturating_mul(bands)
 }
 
 /// The `bands` that have this number of coefficients; `None` if it is not a square.

@@ -4,6 +4,7 @@
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
 mod basis;
+mod edges;
 mod exp_log;
 mod light;
 mod polygon;

@@ -1,6 +1,6 @@
 //! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and theorems.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use haarmonic::Error;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
@@ -466,6 +466,58 @@ fn the_flow_of_heat_blurs_less_with_more_bands() {
     assert!(curved_more > 0.9 * curved && heat_more < 0.5 * heat, "{curved} {curved_more}, {heat} {heat_more}");
 }
 
+/// Relative L² error of a light after each family of windows, all channels alike, by light and bands; the table of docs/sh.md:
+/// `cargo test --all-features --test sh the_default_window -- --nocapture`.
+#[test]
+fn the_default_window_of_deringing_is_the_nearer_one() {
+    // A square lamp: extrema along circles, which round ones have, cost hundreds of times more.
+    let lamp = |half: f64, bright: f64, sky: f64, ground: f64| {
+        move |d: &Vector3<f64>| {
+            let shines = d.z > 0.0 && d.x.abs().max(d.y.abs()) < half * d.z;
+            (if shines { bright } else { 0.0 }) + if d.y + 0.3 * d.z > 0.0 { sky } else { ground }
+        }
+    };
+    type Shape = Box<dyn Fn(&Vector3<f64>) -> f64>;
+    let lights: [(&str, Shape); 6] = [
+        ("small lamp over black", Box::new(lamp(0.1, 100.0, 0.0, 0.0))),
+        ("lamp over black", Box::new(lamp(0.3, 10.0, 0.0, 0.0))),
+        ("lamp in a room of 1/20 of it", Box::new(lamp(0.3, 10.0, 0.5, 0.5))),
+        ("lamp in a sky of 1/10 of it, ground black", Box::new(lamp(0.3, 10.0, 1.0, 0.0))),
+        ("faint lamp in a sky, ground 1/20 of that", Box::new(lamp(0.5, 0.5, 1.0, 0.05))),
+        ("soft sky", Box::new(|d| 0.25 * (1.0 + d.z).powi(2) + 0.02 + 0.01 * d.x * d.y)),
+    ];
+    let grid = CubeGrid::new(32).unwrap();
+    let families = [DeringWindow::Curvature, DeringWindow::Gaussian];
+    let mut sums = [0.0; 2];
+    println!("| light | {} |", BANDS.map(|n| format!("{n} bands")).join(" | "));
+    for (name, light) in &lights {
+        let map = CubeMap::<f64>::from_fn(grid, |d| light(&d));
+        let energy = |map: &CubeMap<f64>| map.map(|t| t * t).integral();
+        let mut row = Vec::new();
+        for bands in BANDS {
+            let plain = CubeProjection::new(grid, bands, TexelRule::Mean).unwrap().project::<_, 1>(&map);
+            let errors = families.map(|family| {
+                let [mut c] = plain.clone();
+                let plan = Deringing::new(bands).unwrap().with_window(family);
+                plan.apply([&mut c], 0.0, DeringBy::AllChannels).unwrap();
+                let seen: CubeMap<f64> =
+                    CubeReconstruction::new(grid, bands, TexelRule::Mean).unwrap().reconstruct([&c]);
+                (energy(&map.zip_map(&seen, |a, b| a - b)) / energy(&map)).sqrt()
+            });
+            row.push(format!("{:.3} / {:.3}", errors[0], errors[1]));
+            sums.iter_mut().zip(errors).for_each(|(sum, e)| *sum += e);
+            // Where the flow of heat is the farther one, it is by little.
+            assert!(errors[1] < errors[0] + 0.012, "{name}, {bands} bands: {errors:?}");
+        }
+        println!("| {name} | {} |", row.join(" | "));
+    }
+    println!("mean: {:?}", sums.map(|sum| sum / (lights.len() * BANDS.len()) as f64));
+    assert!(sums[1] < 0.97 * sums[0], "{sums:?}");
+    assert_eq!(DeringWindow::default(), DeringWindow::Gaussian);
+}
+
+const BANDS: [usize; 6] = [2, 3, 4, 6, 9, 17];
+
 /// Extrema along circles, where nearly all cells of a ring survive; constants; zero; sizes that overflow.
 #[test]
 fn degenerate_extrema() {
@@ -498,7 +550,7 @@ fn degenerate_extrema() {
 
 #[test]
 fn deringing_by_channels() {
-    let plan = Deringing::new(5).unwrap();
+    let plan = Deringing::new(5).unwrap().with_window(DeringWindow::Curvature);
     let lamp = |d: [f64; 3], mean: f64| -> Vec<f64> {
         let mut c = eval(5, &UnitVector3::new_normalize(Vector3::from(d))).unwrap();
         c[0] += mean;

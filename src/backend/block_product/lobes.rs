@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, WideBounds, offset};
 use super::rule::Rule;
 use super::tables::Radii;
-use crate::Result;
-use crate::scene::{BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
+use crate::scene::{BRDF_VALUE, BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
+use crate::{Error, Result};
 
 /// A material as a frame uses it.
 #[derive(Debug, Clone)]
@@ -17,6 +17,13 @@ pub(super) struct Plan {
     /// Σ albedo/π of the cosine terms that are integrated exactly.
     pub(super) diffuse: Vector3<f64>,
     pub(super) lobes: Vec<Lobe>,
+}
+
+impl Plan {
+    /// Whether only values are known of a part of it.
+    pub(super) fn has_opaque(&self) -> bool {
+        self.lobes.iter().any(|lobe| matches!(lobe.model, Model::Other(_)))
+    }
 }
 
 /// One lobe of a material.
@@ -118,6 +125,11 @@ impl Planner {
         let same = |(a, b): (&Arc<dyn Brdf>, &Arc<dyn Brdf>)| std::ptr::addr_eq(Arc::as_ptr(a), Arc::as_ptr(b));
         if brdfs.len() == self.brdfs.len() && brdfs.iter().zip(&self.brdfs).all(same) {
             return Ok(false);
+        }
+        for (index, brdf) in brdfs.iter().enumerate() {
+            if !is_finite(brdf.as_ref()) {
+                return Err(Error::NotFinite { what: BRDF_VALUE, index });
+            }
         }
         let plans: Result<Vec<Plan>> = brdfs.iter().map(|brdf| self.plan(brdf)).collect();
         self.plans = plans?;
@@ -242,6 +254,23 @@ impl Planner {
         self.wide.insert((kind, at), Arc::clone(&bounds));
         Ok(bounds)
     }
+}
+
+/// Whether a BRDF of which only values are known is finite wherever some thousands of them are asked for; the others are.
+fn is_finite(brdf: &dyn Brdf) -> bool {
+    if !matches!(brdf.structure(), Structure::Opaque | Structure::Sum(_)) {
+        return true;
+    }
+    // Rings from the zenith to just above the horizon, of odd numbers of directions: no plane of symmetry holds all.
+    let rings = |rings: usize, around: usize| {
+        (0..rings * around).map(move |i| {
+            let z = 1.0 - (i / around) as f64 / rings as f64 * 0.999;
+            let (sin, cos) = ((i % around) as f64 / around as f64 * std::f64::consts::TAU + 0.1).sin_cos();
+            let flat = (1.0 - z * z).sqrt();
+            Vector3::new(flat * cos, flat * sin, z)
+        })
+    };
+    rings(4, 7).all(|wo| rings(10, 15).all(|wi| brdf.eval(&wi, &wo).iter().all(|c| c.is_finite())))
 }
 
 fn corners([u, v]: [i32; 2]) -> Vec<[i32; 2]> {

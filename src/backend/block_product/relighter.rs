@@ -160,7 +160,8 @@ impl<'a> Relighter<'a> {
     /// exponent or isotropic lobe about the half vector, seconds for an anisotropic one.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh.
+    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that was asked for, over
+    /// the hemisphere or for a pixel, is NaN or infinite (the index is the BRDF's); `out` is not a frame then.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -203,7 +204,12 @@ impl<'a> Relighter<'a> {
         let frame = Frame { relighter: self, view, materials };
         with_scheduled!(&self.scheduled, maps, schedule => frame.run((*maps, schedule), &mut scratch, out));
         self.scratch = scratch;
-        Ok(())
+        match out.iter().position(|radiance| !radiance.iter().all(|c| c.is_finite())) {
+            Some(vertex) if self.planner.plans()[materials.part(vertex)].has_opaque() => {
+                Err(materials.not_finite(vertex))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn plan(&mut self, materials: &Materials) -> Result<()> {
@@ -217,7 +223,7 @@ impl<'a> Relighter<'a> {
     /// How the blocks of such a frame are integrated.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh.
+    /// As [`relight`](Self::relight).
     pub fn frame_stats(&mut self, view: &View, materials: &Materials) -> Result<FrameStats> {
         materials.check(self.mesh.positions().len())?;
         self.needed.clear();

@@ -113,7 +113,8 @@ impl DoubleTransport {
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] for a cube map whose side is none, [`Error::Length`] if mesh, visibility and materials
-    /// disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance outside [0, 1), [`Error::Cancelled`].
+    /// disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance outside [0, 1), [`Error::NotFinite`] for a BRDF
+    /// whose value for one of the texels is NaN or infinite in `f32` (the index is the BRDF's), [`Error::Cancelled`].
     pub fn bake(
         mesh: &Mesh,
         visibility: &BinaryVisibility,
@@ -142,7 +143,7 @@ impl DoubleTransport {
             if progress.is_cancelled() {
                 return Err(Error::Cancelled);
             }
-            let block = baker.block(first, (first + BLOCK).min(vertices));
+            let block = baker.block(first, (first + BLOCK).min(vertices))?;
             let step = BLOCK.min(vertices - first);
             progress.advance(done.fetch_add(step, Ordering::Relaxed) + step, vertices);
             Ok(block)
@@ -315,7 +316,7 @@ struct Baker<'a> {
 }
 
 impl Baker<'_> {
-    fn block(&self, first: usize, end: usize) -> Block {
+    fn block(&self, first: usize, end: usize) -> Result<Block> {
         let n = self.directions.len();
         let mut samples = vec![0.0; 3 * n];
         let mut seen = vec![0.0; 3 * n];
@@ -331,6 +332,9 @@ impl Baker<'_> {
             let frame = self.mesh.frame(v);
             let wo = self.view.outgoing(brdf, &self.mesh.positions()[v], &frame);
             brdf.sample_cos(&frame, &wo, &self.directions, samples);
+            if !samples.iter().all(|x| x.is_finite()) {
+                return Err(self.materials.not_finite(v));
+            }
             let seen = &mut seen[..planes * n];
             for (plane, seen) in samples.chunks_exact(n).zip(seen.chunks_exact_mut(n)) {
                 super::mask(&masked, self.visibility.vertex(v), plane, seen);
@@ -362,7 +366,7 @@ impl Baker<'_> {
                 weight.push((colour * scale).into());
             }
         }
-        self.by_column(vertex, weight, &mut entries)
+        Ok(self.by_column(vertex, weight, &mut entries))
     }
 
     fn by_column(&self, vertex: Vec<u16>, weight: Vec<[f32; 3]>, entries: &mut [(u32, u16, f32)]) -> Block {
@@ -431,7 +435,7 @@ impl<'a> DoubleRelighter<'a> {
     /// Any finite light: the brightest and darkest are scaled by a power of two.
     ///
     /// # Errors
-    /// [`Error::Length`] for a light on another grid; what selection refuses.
+    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; what selection refuses.
     pub fn set_light(
         &mut self,
         light: &CubeMap<Vector3<f32>>,

@@ -72,16 +72,12 @@ impl ProjectedLight {
     /// Weights and transforms a light.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; the light
+    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; the light
     /// from before stays.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         if light.grid() != self.grid {
-            let got = light.grid().side() as f64;
-            return Err(Error::OutOfRange {
-                what: "side of the light's cube map",
-                got,
-                allowed: "that of the transport",
-            });
+            let (expected, got) = (self.grid.side(), light.grid().side());
+            return Err(Error::Length { what: "side of the light's cube map", expected, got });
         }
         if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
             return Err(Error::NotFinite { what: "texel of the light", index });

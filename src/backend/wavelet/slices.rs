@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
-use crate::Result;
 use crate::haar::{Factor, Keep, Selection, SelectionScratch, SparseVector, Transform2d, Weighting};
-use crate::scene::{Brdf, DirectionTable, Frame, Materials, Mesh, View};
+use crate::scene::{BRDF_VALUE, Brdf, DirectionTable, Frame, Materials, Mesh, View};
 use crate::sphere::CubeGrid;
+use crate::{Error, Result};
 
 /// Samples slices and thins them to few wavelets; memory for one slice at a time.
 #[derive(Debug, Clone)]
@@ -40,10 +40,14 @@ impl SliceSampler {
         })
     }
 
-    fn sample(&mut self, brdf: &dyn Brdf, frame: &Frame, wo: &Vector3<f64>) -> usize {
+    /// `part` is the BRDF's index, for an error.
+    fn sample(&mut self, (part, brdf): (usize, &dyn Brdf), frame: &Frame, wo: &Vector3<f64>) -> Result<usize> {
         let len = brdf.planes() * self.directions.len();
         brdf.sample_cos(frame, wo, &self.directions, &mut self.samples[..len]);
-        len
+        if !self.samples[..len].iter().all(|x| x.is_finite()) {
+            return Err(Error::NotFinite { what: BRDF_VALUE, index: part });
+        }
+        Ok(len)
     }
 
     /// Transforms the first `len` samples and chooses the indices to keep, the same in each plane.
@@ -62,12 +66,12 @@ impl SliceSampler {
     /// A slice as texels, of its kept wavelets only: one plane for a BRDF with a colour, else three.
     pub(super) fn texels(
         &mut self,
-        brdf: &dyn Brdf,
+        brdf: (usize, &dyn Brdf),
         frame: &Frame,
         wo: &Vector3<f64>,
         weighting: Weighting<'_, f32>,
     ) -> Result<&[f32]> {
-        let len = self.sample(brdf, frame, wo);
+        let len = self.sample(brdf, frame, wo)?;
         let n = self.directions.len();
         if self.keep.of(n) >= n {
             return Ok(&self.samples[..len]);
@@ -84,8 +88,14 @@ impl SliceSampler {
     }
 
     /// A slice as factors of a product integral.
-    fn factors(&mut self, brdf: &dyn Brdf, frame: &Frame, wo: &Vector3<f64>, w: Weighting<'_, f32>) -> Result<Slice> {
-        let len = self.sample(brdf, frame, wo);
+    fn factors(
+        &mut self,
+        brdf: (usize, &dyn Brdf),
+        frame: &Frame,
+        wo: &Vector3<f64>,
+        w: Weighting<'_, f32>,
+    ) -> Result<Slice> {
+        let len = self.sample(brdf, frame, wo)?;
         let n = self.directions.len();
         self.select(len, w)?;
         let mut planes = Vec::with_capacity(3);
@@ -185,7 +195,7 @@ impl SliceTable {
                 true => frame.normal.cast(),
                 false => cells.direction(view as usize).into_inner(),
             };
-            sampler.factors(brdf, &frame, &wo, weighting)
+            sampler.factors((part as usize, brdf), &frame, &wo, weighting)
         };
         let sampler = SliceSampler::new(grid, keep)?;
         #[cfg(feature = "rayon")]

@@ -234,7 +234,8 @@ impl<'a> TripleRelighter<'a> {
     /// was set) are black.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh; what the choice of a slice's terms refuses.
+    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF whose value for one of the texels is NaN or
+    /// infinite in `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -268,7 +269,7 @@ impl<'a> TripleRelighter<'a> {
                 let brdf = materials.brdf(v);
                 let frame = mesh.frame(v);
                 let wo = view.outgoing(brdf, &mesh.positions()[v], &frame);
-                let slice = sampler.texels(brdf, &frame, &wo, weighting)?;
+                let slice = sampler.texels((materials.part(v), brdf), &frame, &wo, weighting)?;
                 *radiance = masked_radiance(&masked, light, slice, visibility.vertex(v), brdf.colour());
             }
             Ok(())

@@ -27,6 +27,8 @@ pub fn diffuse_light(light: &[f64], bands_cosine: usize, normal: &UnitVector3<f6
 /// rounding, those that the horizon cuts to about 2^−levels of a triangle.
 pub fn polygon(bands: usize, vertices: &[Vector3<f64>], horizon: Option<Vector3<f64>>, levels: u32) -> Vec<f64> {
     let mut out = vec![0.0; bands * bands];
+    // It calls itself so often: 4^12 triangles take hours anyhow.
+    let levels = levels.min(12);
     for i in 2..vertices.len() {
         let triangle = [vertices[0], vertices[i - 1], vertices[i]];
         add_triangle(bands, triangle, horizon, levels, &mut out);

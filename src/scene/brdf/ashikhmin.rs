@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use nalgebra::Vector3;
 
-use super::{Brdf, above_horizon, check_albedo, check_exponent, half_vector, split_colour};
+use super::{Brdf, check_albedo, check_exponent, half_vector, off_surface, split_colour};
 use crate::Result;
 
 /// The anisotropic Phong model of Ashikhmin and Shirley (2000), with its diffuse term.
@@ -48,8 +48,8 @@ impl Brdf for AshikhminShirley {
     }
 
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let [nu, nv] = self.exponents;
         let (h, k) = half_vector(wi, wo);

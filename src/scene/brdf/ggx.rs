@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, half_vector, plane_count,
-    split_colour,
+    Axes, Brdf, DirectionTable, Structure, check_albedo, check_roughness, half_vector, is_poisoned, off_surface,
+    plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -94,8 +94,8 @@ impl CookTorrance {
 
 impl Brdf for CookTorrance {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let (h, cos_d) = half_vector(wi, wo);
         let q = (h.x / self.alpha[0]).powi(2) + (h.y / self.alpha[1]).powi(2) + h.z * h.z;
@@ -119,6 +119,9 @@ impl Brdf for CookTorrance {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         let axes = Axes::new(frame);
         plane_count(self.grey(), directions.len(), out.len());
         let Some(facets) = self.facets(&axes, wo) else { return };

@@ -5,7 +5,7 @@ use std::f64::consts::FRAC_1_PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Cosine};
-use super::{Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, split_colour};
+use super::{Axes, Brdf, DirectionTable, Structure, check_albedo, is_poisoned, off_surface, split_colour};
 use crate::Result;
 use crate::scene::Frame;
 
@@ -43,7 +43,7 @@ impl Lambert {
 
 impl Brdf for Lambert {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if above_horizon(wi, wo) { self.albedo * FRAC_1_PI } else { Vector3::zeros() }
+        off_surface(wi, wo).unwrap_or_else(|| self.albedo * FRAC_1_PI)
     }
 
     fn colour(&self) -> Option<Vector3<f64>> {
@@ -63,6 +63,9 @@ impl Brdf for Lambert {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         let axes = Axes::new(frame);
         let factor = kernel::scaled(&self.albedo, scale, FRAC_1_PI);
         let factor = if axes.to_local(wo).z > 0.0 { factor } else { (factor.0, 0.0) };

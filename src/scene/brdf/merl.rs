@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nalgebra::Vector3;
 
-use super::{Brdf, above_horizon, half_vector};
+use super::{Brdf, above_horizon, half_vector, off_surface};
 use crate::{Error, Result};
 
 const THETA_H: usize = 90;
@@ -215,8 +215,8 @@ impl Brdf for Merl {
     }
 
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let at = coordinates(wi, wo);
         match self.lookup {

@@ -57,8 +57,13 @@ use crate::{Error, Result};
 ///
 /// `wi` and `wo` are unit and point away from the surface. Implement [`eval`](Self::eval) alone, or wrap a closure in
 /// [`BrdfFn`]; the models here override [`add_cos`](Self::add_cos) with vectorised kernels.
+///
+/// What is NaN stays NaN: a direction of which a component is NaN or infinite gives NaN in every channel, whether or not the model reads
+/// that component, and a viewer or normal like that NaN for every direction of a table. The models here and [`BrdfFn`] see to it; an
+/// implementation that does not may give light for a direction that is none. A BRDF whose own values are NaN is refused by what bakes or
+/// renders with it.
 pub trait Brdf: Debug + Send + Sync {
-    /// f(wi, wo) in RGB, 1/sr, without the cosine; zero unless both directions are above the horizon (z > 0).
+    /// f(wi, wo) in RGB, 1/sr, without the cosine; zero unless both directions are above the horizon (z > 0), NaN for one that is NaN.
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64>;
 
     /// The colour c, largest component exactly 1, if f(wi, wo) = c · s(wi, wo) with one scalar s for all channels.
@@ -89,11 +94,15 @@ pub trait Brdf: Debug + Send + Sync {
     /// `frame` is the vertex's, `wo` the unit direction to the viewer in world coordinates.
     /// Shapes: `out` is one plane of `directions.len()` values, the scalar s of [`colour`](Self::colour), if there is a
     /// colour; or three planes, R then G then B. Directions below the horizon get nothing.
-    /// This default goes through [`eval`](Self::eval) in `f64`; see each model for the error of its kernel.
+    /// This default goes through [`eval`](Self::eval) in `f64`; see each model for the error of its kernel. A viewer or normal that is
+    /// not finite makes `out` NaN.
     ///
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         kernel::add_by_eval(self, &Axes::new(frame), wo, directions, scale, out);
     }
 
@@ -150,6 +159,27 @@ fn split_colour(rgb: &Vector3<f64>) -> (Vector3<f64>, f64) {
 
 fn above_horizon(wi: &Vector3<f64>, wo: &Vector3<f64>) -> bool {
     wi.z > 0.0 && wo.z > 0.0
+}
+
+/// The value that any BRDF has for two directions of which one is below the horizon, 0, or is not finite, NaN.
+#[inline]
+fn off_surface(wi: &Vector3<f64>, wo: &Vector3<f64>) -> Option<Vector3<f64>> {
+    if !(wi.sum() + wo.sum()).is_finite() {
+        Some(Vector3::repeat(f64::NAN))
+    } else if !above_horizon(wi, wo) {
+        Some(Vector3::zeros())
+    } else {
+        None
+    }
+}
+
+/// Whether a normal or viewer is not finite; every value of a table of directions then is NaN.
+fn is_poisoned(frame: &Frame, wo: &Vector3<f64>, out: &mut [f32]) -> bool {
+    let poisoned = !(wo.sum() + f64::from(frame.normal.sum())).is_finite();
+    if poisoned {
+        out.fill(f32::NAN);
+    }
+    poisoned
 }
 
 /// The unit half vector of two directions above the horizon and its dot product with either, |wi + wo|/2.

@@ -6,8 +6,8 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_exponent, half_vector, plane_count,
-    split_colour,
+    Axes, Brdf, DirectionTable, Structure, check_albedo, check_exponent, half_vector, is_poisoned, off_surface,
+    plane_count, split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -68,8 +68,8 @@ impl Phong {
 
 impl Brdf for Phong {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let cosine = wi.z * wo.z - wi.x * wo.x - wi.y * wo.y;
         if cosine <= 0.0 {
@@ -91,6 +91,9 @@ impl Brdf for Phong {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
         let Some(kernel) = self.kernel(&axes, wo) else { return };
@@ -173,8 +176,8 @@ impl BlinnPhong {
 
 impl Brdf for BlinnPhong {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         self.albedo * (self.constant() * half_vector(wi, wo).0.z.min(1.0).powf(self.exponent))
     }
@@ -192,6 +195,9 @@ impl Brdf for BlinnPhong {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
         let Some(kernel) = self.kernel(&axes, wo) else { return };

@@ -21,7 +21,8 @@ impl Sum {
     /// Σ weight · term.
     ///
     /// # Errors
-    /// [`Error::Empty`] without terms, [`Error::OutOfRange`] for a weight that is negative, infinite or NaN.
+    /// [`Error::Empty`] without terms, [`Error::OutOfRange`] for a weight that is negative, infinite or NaN, or for sums within sums
+    /// more than 64 deep or of more than 4096 terms in all.
     pub fn new(terms: Vec<(f64, Arc<dyn Brdf>)>) -> Result<Self> {
         if terms.is_empty() {
             return Err(Error::Empty { what: "sum of BRDFs" });
@@ -29,8 +30,30 @@ impl Sum {
         if let Some(&(got, _)) = terms.iter().find(|(w, _)| !(*w >= 0.0 && w.is_finite())) {
             return Err(Error::OutOfRange { what: "weight of a BRDF", got, allowed: "finite and at least 0" });
         }
+        check_size(&terms, MOST_DEEP, &mut 0)?;
         Ok(Self { terms })
     }
+}
+
+/// How deep sums may be: what visits the terms calls itself for each sum among them.
+const MOST_DEEP: usize = 64;
+/// How many terms they may have in all, each counted as often as it is met.
+const MOST_TERMS: usize = 4096;
+
+fn check_size(terms: &[(f64, Arc<dyn Brdf>)], deep: usize, count: &mut usize) -> Result<()> {
+    *count += terms.len();
+    if *count > MOST_TERMS {
+        let got = *count as f64;
+        return Err(Error::OutOfRange { what: "terms of a sum of BRDFs", got, allowed: "at most 4096 in all" });
+    }
+    if deep == 0 {
+        let got = (MOST_DEEP + 1) as f64;
+        return Err(Error::OutOfRange { what: "depth of a sum of BRDFs", got, allowed: "at most 64" });
+    }
+    terms.iter().try_for_each(|(_, brdf)| match brdf.structure() {
+        Structure::Sum(terms) => check_size(terms, deep - 1, count),
+        _ => Ok(()),
+    })
 }
 
 impl Brdf for Sum {
@@ -101,7 +124,7 @@ impl<F> std::fmt::Debug for BrdfFn<F> {
 
 impl<F: Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64> + Send + Sync> Brdf for BrdfFn<F> {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if super::above_horizon(wi, wo) { (self.f)(wi, wo) } else { Vector3::zeros() }
+        super::off_surface(wi, wo).unwrap_or_else(|| (self.f)(wi, wo))
     }
 
     fn colour(&self) -> Option<Vector3<f64>> {

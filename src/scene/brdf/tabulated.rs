@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::{Brdf, above_horizon};
+use super::{Brdf, off_surface};
 use crate::{Error, Result};
 
 /// A BRDF read off once at some hundred or thousand pairs of directions, for measured data whose look-ups are slow and whose
@@ -68,8 +68,8 @@ impl TabulatedBrdf {
 
 impl Brdf for TabulatedBrdf {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let flat = wo.x.hypot(wo.y);
         let (viewer, wi) = if self.is_isotropic {

@@ -6,7 +6,8 @@ use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, above_horizon, check_albedo, check_roughness, plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, check_albedo, check_roughness, is_poisoned, off_surface, plane_count,
+    split_colour,
 };
 use crate::Result;
 use crate::scene::Frame;
@@ -78,8 +79,8 @@ impl Ward {
 
 impl Brdf for Ward {
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
-        if !above_horizon(wi, wo) {
-            return Vector3::zeros();
+        if let Some(value) = off_surface(wi, wo) {
+            return value;
         }
         let h = wi + wo;
         // Slopes: |h|²/h_z⁴ = (1 + |slope|²)/h_z².
@@ -105,6 +106,9 @@ impl Brdf for Ward {
     }
 
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        if is_poisoned(frame, wo, out) {
+            return;
+        }
         let axes = Axes::new(frame);
         plane_count(true, directions.len(), out.len());
         let Some(kernel) = self.kernel(&axes, wo) else { return };

@@ -3,7 +3,7 @@
 mod sky;
 mod sun;
 
-use nalgebra::{Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 pub use sky::{Sky, SoftBox, Sun};
 
@@ -74,7 +74,7 @@ impl EnvironmentLight {
     ///
     /// # Errors
     /// [`Error::NotFinite`] or [`Error::OutOfRange`] for a colour that is not finite or negative, or a size outside the
-    /// range that its field states.
+    /// range that its field states, or where sky, sun and lamps could add up to a texel above the largest `f32`.
     ///
     /// # Example
     /// ```
@@ -91,6 +91,9 @@ impl EnvironmentLight {
     }
 
     /// This light turned by `rotation` and nothing else: what came from ω then comes from Rω.
+    ///
+    /// A matrix that is no rotation (made unchecked: a component not finite, or columns off being orthonormal by more than
+    /// 1e-3) gives a light that is NaN in every direction and texel, which [`CubeMap::first_not_finite`] finds.
     pub fn with_rotation(mut self, rotation: Rotation3<f64>) -> Self {
         self.rotation = rotation;
         self
@@ -133,7 +136,12 @@ impl EnvironmentLight {
     }
 
     /// The radiance that comes from `direction`: bilinear for maps, analytic for a sky. `direction` need not be unit.
+    ///
+    /// NaN for a direction, or turned by a matrix, that is not finite.
     pub fn radiance(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        if !is_rotation(&self.rotation) {
+            return Vector3::repeat(f64::NAN);
+        }
         let within = self.rotation.inverse_transform_vector(direction);
         match &self.source {
             Source::LatLong(map) => map.bilinear(&within),
@@ -145,15 +153,25 @@ impl EnvironmentLight {
     /// The mean radiance over every texel of a cube.
     ///
     /// Maps are resampled by [`Resampling::Smooth`], which keeps ∫ L dω at any size. Of a sky the sun keeps its energy
-    /// exactly, the rest to 1e-4: it is averaged over 256² or more points a face.
-    /// Accuracy: ∫ L dω of maps to the rounding of `f32`, 1e-7 relative.
+    /// exactly however small it is, the rest to 1e-4: it is averaged over 256² or more points a face. The sharp edge of a
+    /// lamp falls between two of these points; a lamp narrower than eight hands out its energy on its own, to 1e-3.
+    /// Accuracy: ∫ L dω of maps and suns to the rounding of `f32`, 1e-7 relative, where texels are normal numbers.
     pub fn to_cube(&self, grid: CubeGrid) -> CubeMap<Vector3<f32>> {
+        if !is_rotation(&self.rotation) {
+            return CubeMap::new(grid, vec![Vector3::repeat(f32::NAN); grid.len()]).expect("one value a texel");
+        }
         match &self.source {
             Source::LatLong(map) => map.to_cube(grid, &self.rotation, Resampling::Smooth),
             Source::Cube(map) => map.to_cube(grid, &self.rotation, Resampling::Smooth),
             Source::Sky(sky) => sky.to_cube(grid, &self.rotation),
         }
     }
+}
+
+/// Whether a matrix is orthonormal but for what many multiplications may add up to.
+fn is_rotation(rotation: &Rotation3<f64>) -> bool {
+    let matrix = rotation.matrix();
+    (matrix.transpose() * matrix - Matrix3::identity()).iter().all(|e| e.abs() <= 1e-3)
 }
 
 /// How many pixels have a negative channel.

@@ -1,10 +1,8 @@
 //! A procedural sky: a gradient, a ground, a sun and soft boxes.
 
-use std::f64::consts::FRAC_PI_2;
-
 use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
 
-use super::sun::{angle, disc_shares};
+use super::sun::{angle, check_radius};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
@@ -44,7 +42,8 @@ pub struct Sky {
 pub struct Sun {
     /// Where its centre stands.
     pub direction: UnitVector3<f64>,
-    /// Angular radius in radians, in (0, π/2]; the real sun's is 0.00465.
+    /// Angular radius in radians, in (0, π/2], down to the smallest number; the real sun's is 0.00465. A point, of which a
+    /// radiance cannot say how bright it is, comes from [`with_irradiance`](Self::with_irradiance).
     pub angular_radius: f64,
     /// Radiance of the disc, added to the sky's. Irradiance on a surface that faces it is radiance · π sin² radius.
     pub radiance: Vector3<f64>,
@@ -141,20 +140,29 @@ impl Sky {
         self
     }
 
-    /// The radiance from `direction`, which need not be unit; the zero vector gives the horizon's.
+    /// The radiance from `direction`, which need not be unit; the zero vector gives that on the horizon, without the sun, a
+    /// direction that is not finite NaN.
     pub fn radiance(&self, direction: &Vector3<f64>) -> Vector3<f64> {
-        let sun = self.sun.filter(|sun| angle(&sun.direction, direction) <= sun.angular_radius);
-        self.without_sun(direction) + sun.map_or_else(Vector3::zeros, |sun| sun.radiance)
+        // Squares of lengths beyond these under- or overflow.
+        let size = direction.amax();
+        let direction = if (1e-100..=1e100).contains(&size) || size == 0.0 { *direction } else { direction / size };
+        let sun = self.sun.filter(|sun| size > 0.0 && angle(&sun.direction, &direction) <= sun.angular_radius);
+        self.without_sun(&direction) + sun.map_or_else(Vector3::zeros, |sun| sun.radiance)
     }
 
     /// Everything that varies slowly.
     fn without_sun(&self, direction: &Vector3<f64>) -> Vector3<f64> {
+        self.with_lamps(direction, &self.boxes)
+    }
+
+    /// The backdrop and some lamps.
+    fn with_lamps<'a>(&self, direction: &Vector3<f64>, lamps: impl IntoIterator<Item = &'a SoftBox>) -> Vector3<f64> {
         let d = direction.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
         let above = smooth_step(d.y, self.horizon_softness);
         let high = d.y.max(0.0).powf(self.falloff);
         let sky = self.horizon * (1.0 - high) + self.zenith * high;
         let backdrop = self.ground * (1.0 - above) + sky * above;
-        self.boxes.iter().fold(backdrop, |sum, lamp| sum + lamp.radiance * lamp.coverage(&d))
+        lamps.into_iter().fold(backdrop, |sum, lamp| sum + lamp.radiance * lamp.coverage(&d))
     }
 
     /// The mean over every texel of the sky turned by `rotation`.
@@ -162,11 +170,22 @@ impl Sky {
         // At least 256 points along a face's edge, and four in each texel.
         let across = (256usize.div_ceil(grid.side())).max(2);
         let inverse = rotation.inverse();
-        let omega = grid.face_solid_angles();
-        let mut sunlight = vec![Vector3::<f64>::zeros(); if self.sun.is_some() { grid.len() } else { 0 }];
+        // A lamp no wider than a few points would be caught by chance: it hands out its light itself, as the sun does.
+        let pitch = 2.0 / (grid.side() * across) as f64;
+        let (narrow, wide): (Vec<&SoftBox>, Vec<&SoftBox>) =
+            self.boxes.iter().partition(|lamp| lamp.half_size[0].min(lamp.half_size[1]) < 4.0 * pitch);
+        let small = if self.sun.is_some() || !narrow.is_empty() { grid.len() } else { 0 };
+        let mut handed_out = vec![Vector3::<f64>::zeros(); small];
         if let Some(sun) = &self.sun {
-            for (i, share) in disc_shares(grid, &(rotation * sun.direction), sun.angular_radius) {
-                sunlight[i] = sun.radiance * (share / omega[i % omega.len()]);
+            sun.texels(grid, rotation).for_each(|(i, mean)| handed_out[i] = mean);
+        }
+        if !narrow.is_empty() {
+            let omega = grid.face_solid_angles();
+            for lamp in narrow {
+                lamp.for_each_point(pitch / 8.0, |d, share| {
+                    let i = grid.nearest(&(rotation * d));
+                    handed_out[i] += lamp.radiance * (share / omega[i % omega.len()]);
+                });
             }
         }
         CubeMap::from_indices(
@@ -182,45 +201,65 @@ impl Sky {
                         // dω = du dv/(1 + u² + v²)^{3/2}
                         let squared = 1.0 + u * u + v * v;
                         let w = 1.0 / (squared * squared.sqrt());
-                        sum += self.without_sun(&(inverse * face.point(u, v))) * w;
+                        sum += self.with_lamps(&(inverse * face.point(u, v)), wide.iter().copied()) * w;
                         weight += w;
                     }
                 }
-                sum / weight + sunlight.get(i).copied().unwrap_or_else(Vector3::zeros)
+                sum / weight + handed_out.get(i).copied().unwrap_or_else(Vector3::zeros)
             },
         )
     }
 
     /// Refuses what would make light that is negative or not finite.
     pub(super) fn check(&self) -> Result<()> {
-        let backdrop = [("zenith", &self.zenith), ("horizon", &self.horizon), ("ground", &self.ground)];
-        let sun = self.sun.iter().map(|sun| ("sun radiance", &sun.radiance));
-        let boxes = self.boxes.iter().map(|lamp| ("soft box radiance", &lamp.radiance));
+        let backdrop = [
+            ("channel of the sky's zenith", &self.zenith),
+            ("channel of the sky's horizon", &self.horizon),
+            ("channel of the sky's ground", &self.ground),
+        ];
+        let sun = self.sun.iter().map(|sun| ("channel of the sun's radiance", &sun.radiance));
+        let boxes = self.boxes.iter().map(|lamp| ("channel of a soft box's radiance", &lamp.radiance));
         for (what, colour) in backdrop.into_iter().chain(sun).chain(boxes) {
-            for c in 0..3 {
-                check_range(what, colour[c], colour[c] >= 0.0, "not negative")?;
+            if let Some(index) = colour.iter().position(|c| !c.is_finite()) {
+                return Err(Error::NotFinite { what, index });
+            }
+            for &c in colour {
+                check_range(what, c, c >= 0.0, "not negative")?;
             }
         }
-        check_range("sky falloff", self.falloff, self.falloff > 0.0 && self.falloff <= 16.0, "in (0, 16]")?;
+        check_range("falloff of the sky", self.falloff, self.falloff > 0.0 && self.falloff <= 16.0, "in (0, 16]")?;
         let soft = self.horizon_softness;
-        check_range("horizon softness", soft, (0.0..=1.0).contains(&soft), "in [0, 1]")?;
+        check_range("softness of the horizon", soft, (0.0..=1.0).contains(&soft), "in [0, 1]")?;
         if let Some(sun) = &self.sun {
-            let r = sun.angular_radius;
-            check_range("sun's angular radius", r, r > 0.0 && r <= FRAC_PI_2, "in (0, π/2]")?;
-            check_unit("sun's direction", &sun.direction)?;
+            check_radius(sun.angular_radius)?;
+            check_unit("length of the sun's direction", &sun.direction)?;
         }
         for lamp in &self.boxes {
             for h in lamp.half_size {
-                check_range("soft box half size", h, h > 0.0 && h <= 100.0, "in (0, 100]")?;
+                check_range("half size of a soft box", h, h > 0.0 && h <= 100.0, "in (0, 100]")?;
             }
-            check_range("soft box softness", lamp.softness, (0.0..=1.0).contains(&lamp.softness), "in [0, 1]")?;
-            check_unit("soft box's direction", &lamp.direction)?;
+            check_range("softness of a soft box", lamp.softness, (0.0..=1.0).contains(&lamp.softness), "in [0, 1]")?;
+            check_unit("length of a soft box's direction", &lamp.direction)?;
         }
-        Ok(())
+        self.check_brightest()
+    }
+
+    /// Refuses a sky of which a texel of some grid could be beyond the largest `f32`.
+    fn check_brightest(&self) -> Result<()> {
+        let finest = CubeGrid::new(CubeGrid::MAX_SIDE).expect("the largest side is allowed").solid_angle(0, 0);
+        let sun = self.sun.map_or_else(Vector3::zeros, |sun| (sun.energy() / finest).inf(&sun.radiance));
+        let lamps: Vector3<f64> = self.boxes.iter().map(|lamp| lamp.radiance).sum();
+        let brightest = (self.zenith.sup(&self.horizon).sup(&self.ground) + lamps + sun).max();
+        if brightest <= f64::from(f32::MAX) {
+            Ok(())
+        } else {
+            let allowed = "at most 3.4e38, the largest f32, where sky, sun and soft boxes add up";
+            Err(Error::OutOfRange { what: "brightest radiance of a sky", got: brightest, allowed })
+        }
     }
 }
 
-fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str) -> Result<()> {
+pub(super) fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str) -> Result<()> {
     if !got.is_finite() {
         Err(Error::NotFinite { what, index: 0 })
     } else if inside {
@@ -233,7 +272,7 @@ fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str
 /// A `UnitVector3` can be made unchecked, or from a zero vector.
 fn check_unit(what: &'static str, direction: &UnitVector3<f64>) -> Result<()> {
     let norm = direction.norm();
-    check_range(what, norm, (norm - 1.0).abs() < 1e-6, "of length 1")
+    check_range(what, norm, (norm - 1.0).abs() < 1e-6, "1")
 }
 
 impl SoftBox {
@@ -243,12 +282,48 @@ impl SoftBox {
         if forward <= 0.0 {
             return 0.0;
         }
-        // Level upper edge: the horizontal axis is up × direction, +x for a box overhead.
-        let right = Vector3::y().cross(&self.direction).try_normalize(1e-9).unwrap_or_else(Vector3::x);
-        let up = self.direction.cross(&right);
+        let [right, up] = self.axes();
         let [w, h] = self.half_size;
-        let edge = |t: f64, half: f64| smooth_step(half - t.abs(), self.softness * half);
-        edge(d.dot(&right) / forward, w) * edge(d.dot(&up) / forward, h)
+        self.edge(d.dot(&right) / forward, w) * self.edge(d.dot(&up) / forward, h)
+    }
+
+    /// The axes of its width and height. Its upper edge is level: the horizontal axis is up × direction, +x overhead.
+    fn axes(&self) -> [Vector3<f64>; 2] {
+        let right = Vector3::y().cross(&self.direction).try_normalize(1e-9).unwrap_or_else(Vector3::x);
+        [right, self.direction.cross(&right)]
+    }
+
+    /// The coverage along one axis at the distance `t` from the middle.
+    fn edge(&self, t: f64, half: f64) -> f64 {
+        smooth_step(half - t.abs(), self.softness * half)
+    }
+
+    /// Points all over it, at most `spacing` apart in angle along each axis: their directions and coverage · solid angle.
+    ///
+    /// Midpoints in θ of a = tan θ, piece by piece between the ends of the soft edges, where coverage is smooth;
+    /// dω = da db/(1 + a² + b²)^{3/2}.
+    fn for_each_point(&self, spacing: f64, mut each: impl FnMut(Vector3<f64>, f64)) {
+        let [right, up] = self.axes();
+        let axis = |half: f64| {
+            let ends = [1.0 + self.softness, 1.0 - self.softness].map(|f| (half * f).atan());
+            let mut points = Vec::new();
+            for (from, to) in [(-ends[0], -ends[1]), (-ends[1], ends[1]), (ends[1], ends[0])] {
+                let n = (((to - from) / spacing).ceil() as usize).max(32);
+                let step = (to - from) / n as f64;
+                points.extend((0..n).filter(|_| step > 0.0).map(|k| {
+                    let a = (from + (k as f64 + 0.5) * step).tan();
+                    (a, self.edge(a, half) * (1.0 + a * a) * step)
+                }));
+            }
+            points
+        };
+        let (across, along) = (axis(self.half_size[0]), axis(self.half_size[1]));
+        for (a, da) in across {
+            for &(b, db) in &along {
+                let squared = 1.0 + a * a + b * b;
+                each(*self.direction + right * a + up * b, da * db / (squared * squared.sqrt()));
+            }
+        }
     }
 }
 

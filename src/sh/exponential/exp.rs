@@ -58,7 +58,8 @@ impl Default for ExpMethod {
 /// wants its own log.
 ///
 /// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate (but for [`ExpMethod::Eigen`]).
-/// Range: finite f give finite results with every method but `Series`: those beyond the largest T are held at it. NaN or infinity anywhere in f gives
+/// Range: finite f give finite results with every method but `Series`: those beyond the largest T are held at it (by `Grid` the values of
+/// exp are, at e^85 in `f32`, e^705 in `f64`). NaN or infinity anywhere in f gives
 /// NaN everywhere.
 ///
 /// # Example
@@ -89,6 +90,9 @@ enum Form<T> {
 impl<T: Real> Exponential<T> {
     /// The plan.
     ///
+    /// Cost: microseconds to milliseconds; of `OptimalLinear` and `Hybrid` above 8 bands, of which the crate has no tables, that of
+    /// [`OptimalLinear::fit`].
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32 or a degree is above 16.
     pub fn new(bands: usize, method: ExpMethod) -> Result<Self> {
@@ -112,11 +116,14 @@ impl<T: Real> Exponential<T> {
 
     /// With f̂ scaled down to this norm instead of 1/8, for PS*-p and HYB: at 1/2 there are two squarings fewer.
     ///
+    /// Rounding grows with the number of squarings, as eps ‖f̂‖/norm; the series' own error at 1/8 is long below it, which is
+    /// why norms below 1/1000 are refused.
+    ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless it is above 0 and at most 8.
+    /// [`Error::OutOfRange`] unless it is in [0.001, 8].
     pub fn with_scaled_norm(mut self, norm: f64) -> Result<Self> {
-        if !(norm > 0.0 && norm <= 8.0) {
-            return Err(Error::OutOfRange { what: "scaled norm", got: norm, allowed: "above 0 and at most 8" });
+        if !(0.001..=8.0).contains(&norm) {
+            return Err(Error::OutOfRange { what: "scaled norm", got: norm, allowed: "in [0.001, 8]" });
         }
         if let Form::Scaled(scaled) = &mut self.form {
             scaled.norm = norm;
@@ -167,8 +174,8 @@ impl<T: Real> Exponential<T> {
     /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than [`scratch_len`](Self::scratch_len).
     #[track_caller]
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
-        check_length("logarithms", self.bands * self.bands * count, f.len());
-        check_length("exponentials", self.bands * self.bands * count, out.len());
+        check_length("logarithms", (self.bands * self.bands).saturating_mul(count), f.len());
+        check_length("exponentials", (self.bands * self.bands).saturating_mul(count), out.len());
         check_scratch(self.scratch_len(), scratch.len());
         match &self.form {
             Form::Series(series) => series.batch(count, f, out, scratch),
@@ -184,10 +191,10 @@ impl<T: Real> Exponential<T> {
             let (norm, finite) = norm_without_constant(count, v, f);
             let [a, b] = linear.factors(norm);
             let log_scale = f[v].widen() / ONE;
-            let factor = if finite { held_exp(log_scale) } else { f64::NAN };
-            out[v] = held(factor * (a * ONE));
+            let [factor, again] = if finite { exp_in_two(log_scale) } else { [f64::NAN; 2] };
+            out[v] = held(factor * (a * ONE) * again);
             for (out, f) in out[v..].iter_mut().step_by(count).zip(f[v..].iter().step_by(count)).skip(1) {
-                *out = held(factor * (b * f.widen()));
+                *out = held(factor * (b * f.widen()) * again);
             }
         }
     }
@@ -196,7 +203,7 @@ impl<T: Real> Exponential<T> {
         for v in 0..count {
             let column: Vec<f64> = f[v..].iter().step_by(count).map(|x| x.widen()).collect();
             let result = if column.iter().all(|x| x.is_finite()) {
-                ProductSpectrum::new(product, &column).map(|spectrum| spectrum.apply(held_exp)).unwrap_or_else(|_| {
+                ProductSpectrum::new(product, &column).map(|spectrum| exp_of(&spectrum)).unwrap_or_else(|_| {
                     let mut out = vec![0.0; column.len()];
                     fallback.apply(&column, &mut out);
                     out
@@ -220,6 +227,24 @@ fn norm_without_constant<T: Real>(count: usize, v: usize, f: &[T]) -> (f64, bool
 /// e^x, at most e^705.
 fn held_exp(x: f64) -> f64 {
     if x < -708.0 { 0.0 } else { grid_exp::exp(x) }
+}
+
+/// e^x as a product of two factors, the second 1 unless e^x alone could overflow.
+fn exp_in_two(x: f64) -> [f64; 2] {
+    // Beyond twice this no finite number times it is less than the largest.
+    let x = if x > 1400.0 { 1400.0 } else { x };
+    if x > 700.0 { [grid_exp::exp(0.5 * x); 2] } else { [held_exp(x), 1.0] }
+}
+
+/// exp(M_f)·1, infinite where it overflows.
+fn exp_of(spectrum: &ProductSpectrum) -> Vec<f64> {
+    let largest = spectrum.largest().min(f64::MAX);
+    if largest <= 700.0 {
+        return spectrum.apply(held_exp);
+    }
+    // e^x = e^{x − largest} e^{largest}.
+    let [factor, again] = exp_in_two(largest);
+    spectrum.apply(|x| held_exp(x - largest)).into_iter().map(|x| x * factor * again).collect()
 }
 
 /// Narrowed, and held within the finite numbers; NaN stays.
@@ -362,8 +387,8 @@ impl<T: Real> Scaled<T> {
         }
         let largest = f.iter().skip(1).fold(0.0, |m: f64, x| m.max(x.widen().abs()));
         let square: f64 = f.iter().skip(1).map(|x| (x.widen() / largest).powi(2)).sum();
-        // The largest squares beyond f64: scaled below.
-        let norm = (largest * square.sqrt()).min(f64::MAX);
+        // The largest squares beyond f64: scaled below. A constant has 0/0 there.
+        let norm = if largest > 0.0 { (largest * square.sqrt()).min(f64::MAX) } else { 0.0 };
         let squarings = self.squarings(norm);
         let one = &mut [Reduction { norm, squarings, shrink: 0.5f64.powi(squarings as i32), ..Reduction::default() }];
         let (small, rest) = buffers.split_at_mut(f.len());
@@ -398,7 +423,12 @@ impl<T: Real> Scaled<T> {
 
 /// e^x, infinity beyond its range.
 fn held_exp_ends(x: f64) -> f64 {
-    if x > 705.0 { f64::INFINITY } else { held_exp(x) }
+    if x > 705.0 {
+        let [factor, again] = exp_in_two(x);
+        factor * again
+    } else {
+        held_exp(x)
+    }
 }
 
 /// f̂ · shrink.

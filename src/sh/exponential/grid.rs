@@ -27,7 +27,8 @@ const MOST_ORDERS: usize = 63;
 ///
 /// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Cost: counted, for rings R of A points about R (2·bands² + A·bands) multiplications, and
 /// R·A calls of h: the sums are separate in z and azimuth, and folded by the symmetries ±x, ±y, ±z of the grid.
-/// NaN or infinity anywhere in f, or NaN of h at a point, gives NaN everywhere.
+/// NaN or infinity anywhere in f, or NaN of h at a point, gives NaN everywhere; so may an f so large that its values overflow (of a
+/// largest coefficient above T's largest number over bands²).
 ///
 /// # Example
 /// ```
@@ -70,7 +71,7 @@ impl<T: Real> GridFunction<T> {
     /// [`Error::OutOfRange`] if `bands` is not in 1…32, or `rings` is odd, less than `bands` or more than 128.
     pub fn with_rings(bands: usize, rings: usize) -> Result<Self> {
         check_bands(bands)?;
-        if rings < bands || 2 * rings > MOST_AROUND || rings % 2 == 1 {
+        if rings < bands || rings > MOST_AROUND / 2 || rings % 2 == 1 {
             let allowed = "even, at least bands and at most 128";
             return Err(Error::OutOfRange { what: "rings", got: rings as f64, allowed });
         }
@@ -131,8 +132,8 @@ impl<T: Real> GridFunction<T> {
 
     #[track_caller]
     fn run(&self, count: usize, f: &[T], function: &impl Pointwise<T>, out: &mut [T]) {
-        check_length("expansions", self.bands * self.bands * count, f.len());
-        check_length("functions of them", self.bands * self.bands * count, out.len());
+        check_length("expansions", (self.bands * self.bands).saturating_mul(count), f.len());
+        check_length("functions of them", (self.bands * self.bands).saturating_mul(count), out.len());
         match count {
             1 => self.sized::<1>(count, f, function, out),
             _ if size_of::<T>() == 4 => self.sized::<16>(count, f, function, out),
@@ -154,6 +155,8 @@ impl<T: Real> GridFunction<T> {
 
 /// A function of values that is inlined where it is used.
 trait Pointwise<T> {
+    /// Scales expansions down whose values would overflow and be NaN, if the function has long come to its end there.
+    fn tame<const L: usize>(&self, _expansions: &mut [[T; L]]) {}
     fn map<const L: usize>(&self, values: &mut [[T; L]]);
 }
 
@@ -169,6 +172,20 @@ impl<T: Real, H: Fn(T) -> T> Pointwise<T> for Closure<H> {
 struct Exp;
 
 impl<T: Real> Pointwise<T> for Exp {
+    /// e^x is at its ends beyond ±708, so that only values within rounding of 0 tell a coefficient of 1e30 from a larger one; sums of
+    /// up to 1e8 such terms are finite.
+    #[inline(always)]
+    fn tame<const L: usize>(&self, expansions: &mut [[T; L]]) {
+        let most = T::of(1e30);
+        for lane in 0..L {
+            let largest = expansions.iter().fold(T::zero(), |m, row| m.max(row[lane].abs()));
+            // An infinity becomes NaN, as the NaN of its vector is.
+            if largest > most {
+                expansions.iter_mut().for_each(|row| row[lane] = row[lane] / largest * most);
+            }
+        }
+    }
+
     #[inline(always)]
     fn map<const L: usize>(&self, values: &mut [[T; L]]) {
         values.as_flattened_mut().iter_mut().for_each(|x| *x = grid_exp::exp(*x));
@@ -200,6 +217,7 @@ impl<T: Real, H: Pointwise<T>, const L: usize> WithSimd for Job<'_, T, H, L> {
             for (to, from) in input.iter_mut().zip(f.chunks_exact(count)) {
                 to[..width].copy_from_slice(&from[first..first + width]);
             }
+            function.tame(input);
             // 0, or NaN for the lanes that have NaN or infinity: of infinity h may make anything.
             let mut start = [T::zero(); L];
             for row in &*input {

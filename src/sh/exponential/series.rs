@@ -156,8 +156,8 @@ impl<T: Real> ProductSeries<T> {
     #[track_caller]
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;
-        check_length("expansions", size * count, f.len());
-        check_length("functions of them", size * count, out.len());
+        check_length("expansions", size.saturating_mul(count), f.len());
+        check_length("functions of them", size.saturating_mul(count), out.len());
         check_scratch(self.scratch_len(), scratch.len());
         in_blocks(size, count, f, out, scratch, |width, f, out, buffers| self.run(width, f, out, buffers));
     }

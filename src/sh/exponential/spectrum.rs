@@ -93,22 +93,39 @@ pub(super) fn apply(eigen: &SymmetricEigen<f64, nalgebra::Dyn>, h: impl Fn(f64) 
     (&eigen.eigenvectors * turned.component_mul(&eigen.eigenvalues.map(h))).as_slice().to_vec()
 }
 
-/// The decomposition of a symmetric matrix, checked by composing it again.
-pub(super) fn decompose(matrix: DMatrix<f64>) -> Result<SymmetricEigen<f64, nalgebra::Dyn>> {
-    const STEPS: usize = 1000;
+/// The largest eigenvalue of a symmetric matrix, with the bits that [`decompose`] gives it in a tenth of its time.
+pub(super) fn largest_eigenvalue(matrix: DMatrix<f64>) -> Result<f64> {
+    let (unit, scale) = scaled_to_one(matrix)?;
+    Ok(unit.symmetric_eigenvalues().max() * scale)
+}
+
+/// A matrix over its largest entry, and that: the library's shifts square the entries.
+fn scaled_to_one(matrix: DMatrix<f64>) -> Result<(DMatrix<f64>, f64)> {
     let largest = matrix.amax();
-    // The library's shifts square the entries.
+    // Of NaN or infinity no iteration would end.
+    if !matrix.iter().all(|x| x.is_finite()) {
+        return Err(no_eigenvectors());
+    }
     let scale = if largest > 0.0 { largest } else { 1.0 };
-    let unit = matrix.unscale(scale);
-    let failed = || Error::OutOfRange {
+    Ok((matrix.unscale(scale), scale))
+}
+
+fn no_eigenvectors() -> Error {
+    Error::OutOfRange {
         what: "residual of the eigenvectors of a product matrix",
         got: f64::INFINITY,
         allowed: "at most 1e-12 of the matrix",
-    };
-    let mut eigen = SymmetricEigen::try_new(unit.clone(), f64::EPSILON, STEPS).ok_or_else(failed)?;
+    }
+}
+
+/// The decomposition of a symmetric matrix, checked by composing it again.
+pub(super) fn decompose(matrix: DMatrix<f64>) -> Result<SymmetricEigen<f64, nalgebra::Dyn>> {
+    const STEPS: usize = 1000;
+    let (unit, scale) = scaled_to_one(matrix)?;
+    let mut eigen = SymmetricEigen::try_new(unit.clone(), f64::EPSILON, STEPS).ok_or_else(no_eigenvectors)?;
     let residual = (eigen.recompose() - &unit).amax();
     if !(residual <= 1e-12) {
-        return Err(failed());
+        return Err(no_eigenvectors());
     }
     eigen.eigenvalues *= scale;
     Ok(eigen)

@@ -1,9 +1,9 @@
 //! Expansions about an axis: n coefficients, product matrices in blocks.
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 
 use super::ONE;
-use super::spectrum::{apply, decompose};
+use super::spectrum::{apply, decompose, largest_eigenvalue};
 use crate::sh::{gamma, index};
 use crate::{Error, Result};
 
@@ -73,13 +73,14 @@ impl Zonal {
         Ok(kinks)
     }
 
-    fn eigen(&self, m: usize, zonal: &[f64]) -> Result<SymmetricEigen<f64, nalgebra::Dyn>> {
+    /// The block of order m.
+    fn block(&self, m: usize, zonal: &[f64]) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(self.bands - m, self.bands - m);
         for &(row, column, k, gamma) in &self.blocks[m] {
             matrix[(row, column)] += gamma * zonal[k];
         }
         matrix.fill_lower_triangle_with_upper_triangle();
-        decompose(matrix)
+        matrix
     }
 
     /// Eq. 5.33 with 5.35 of `part` + `rest` (0 or 1): log x/(x − 1) of the clipped eigenvalues, applied to the argument − 1.
@@ -87,10 +88,10 @@ impl Zonal {
     /// With rest 1 a log near 0 keeps its digits, with rest 0 that of a small argument: M_g = M_part + rest. The block m = 0 has the
     /// vector, all blocks have the largest eigenvalue.
     pub(super) fn log(&self, part: &[f64], rest: f64, floor: f64) -> Result<ZonalLog> {
-        let eigen = self.eigen(0, part)?;
+        let eigen = decompose(self.block(0, part))?;
         let mut largest = (eigen.eigenvalues.max(), 0);
         for m in 1..self.bands {
-            let most = self.eigen(m, part)?.eigenvalues.max();
+            let most = largest_eigenvalue(self.block(m, part))?;
             // Blocks share eigenvalues where g is constant: rounding must not tell them apart.
             if most > largest.0 + 1e-14 * (rest + largest.0.abs()) {
                 largest = (most, m);
@@ -111,7 +112,7 @@ impl Zonal {
     /// exp(M_f)·1 − 1 = q(M_f) f, q(x) = (e^x − 1)/x                  [Sun 2008, eqs. 5.31, 5.32]
     pub(super) fn exp_less_one(&self, f: &[f64]) -> Result<Vec<f64>> {
         let ratio = |x: f64| if x == 0.0 { 1.0 } else { x.exp_m1() / x };
-        Ok(apply(&self.eigen(0, f)?, ratio, f))
+        Ok(apply(&decompose(self.block(0, f))?, ratio, f))
     }
 }
 

@@ -47,7 +47,8 @@ impl<T: Real> DiffuseLight<T> {
     /// The light of these coefficients against a cosine of `bands_cosine`, in `bands_out`.
     ///
     /// # Errors
-    /// [`Error::Length`] if `light.len()` is not a square, else as [`Product::new`] and [`Basis::new`].
+    /// [`Error::Length`] if `light.len()` is not a square, [`Error::OutOfRange`] if the matrix would have more than 2²⁶ entries (it is
+    /// bands_cosine² by bands_out²: 90 by 90 bands), else as [`Product::new`] and [`Basis::new`].
     pub fn new(light: &[T], bands_cosine: usize, bands_out: usize) -> Result<Self> {
         let bands = bands_of(light.len()).ok_or(Error::Length {
             what: "coefficients of a light, a square number",
@@ -57,6 +58,11 @@ impl<T: Real> DiffuseLight<T> {
         let basis = Basis::new(bands_cosine)?;
         let product = Product::<f64>::new(bands, bands_cosine, bands_out)?;
         let (rows, columns) = (bands_out * bands_out, bands_cosine * bands_cosine);
+        if rows * columns > 1 << 26 {
+            let allowed = "at most 8192 (the matrix has its square in entries)";
+            let got = (bands_out * bands_cosine) as f64;
+            return Err(Error::OutOfRange { what: "bands of the cosine times bands of the result", got, allowed });
+        }
         let mut full = vec![0.0; rows * columns];
         product.matrix(&light.iter().map(|c| c.widen()).collect::<Vec<_>>(), &mut full);
         let cosine = Zonal::<f64>::clamped_cosine(bands_cosine)?.scaled(std::f64::consts::FRAC_1_PI);
@@ -96,10 +102,14 @@ impl<T: Real> DiffuseLight<T> {
     /// equal power in all degrees (side 32, 6 bands: 1.2e-3).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`CubeGrid::new`].
+    /// [`Error::OutOfRange`] as [`CubeGrid::new`], or if the table would have more than 2²⁸ numbers: 6 (side + 1)² bands_out².
     pub fn table(&self, side: usize) -> Result<DiffuseLightTable<T>> {
         let grid = CubeGrid::new(side)?;
         let count = self.bands_out * self.bands_out;
+        if 6 * (side + 1) * (side + 1) > (1 << 28) / count {
+            let allowed = "so small that 6 (side + 1)² bands² is at most 2²⁸";
+            return Err(Error::OutOfRange { what: "side of a table of diffuse light", got: side as f64, allowed });
+        }
         let mut values = vec![T::zero(); 6 * (side + 1) * (side + 1) * count];
         let mut scratch = vec![T::zero(); self.scratch_len()];
         for (node, out) in values.chunks_exact_mut(count).enumerate() {

@@ -14,8 +14,9 @@ use crate::error::check_length;
 ///
 /// E = ∫ L max(n·ω, 0) dω with its π: a white Lambertian plane reflects E/π. Equal to convolving with
 /// [`Zonal::clamped_cosine`](super::super::Zonal::clamped_cosine) and evaluating 3 bands, for unit n. Of what the 3 bands leave out, degree
-/// 3 does not matter and degree 4 is the first that does: at most 7 % of a directional light's irradiance, whose negative part
-/// it shows too.
+/// 3 does not matter and degree 4 is the first that does. Of a directional light's irradiance on a plane that faces it that is +6.2 % at
+/// 0° and 180° from it, −4.0 % at 58° and 122°, and most at 90°: +9.4 %. Planes turned away from it are lit by so much, up to 122°
+/// and beyond.
 ///
 /// Accuracy: 4 eps Σ|M|. Cost: 9 multiplications a normal and channel after 5 shared ones. Immutable; calls do not allocate.
 ///

@@ -30,7 +30,7 @@ use self::matrix::MatrixTable;
 use self::table::Table;
 use super::gamma::met;
 use crate::error::check_length;
-use crate::{Real, Result};
+use crate::{Error, Real, Result};
 
 /// The largest sum of the three numbers of bands that meet for which the sparse table is used. Chosen from operation counts of
 /// equal bands, not measured for unequal ones.
@@ -38,6 +38,9 @@ const MOST_SPARSE: usize = 24;
 
 /// The largest such sum for which a matrix is made from a table: its entries grow as the fifth power.
 const MOST_TABULATED: usize = 48;
+
+/// The most bands of anything, though not more than 128 can meet: those of [`Basis`](super::Basis) in `f64`.
+const MOST_BANDS: usize = 1024;
 
 /// How a plan multiplies.
 #[derive(Debug, Clone)]
@@ -49,6 +52,9 @@ enum Form<T> {
 
 impl<T: Real> Form<T> {
     fn new(bands: [usize; 3], square: bool) -> Result<Self> {
+        if let Some(&most) = bands.iter().max().filter(|&&n| n > MOST_BANDS) {
+            return Err(Error::OutOfRange { what: "bands of a product", got: most as f64, allowed: "1 to 1024" });
+        }
         if bands[0] == bands[1]
             && bands[1] == bands[2]
             && let Some(kernel) = Kernel::new(bands[0], square)
@@ -127,7 +133,8 @@ impl<T: Real> Product<T> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`](crate::Error::OutOfRange) if one of them is 0 or more than 128 bands meet: 64 bands can be
-    /// multiplied without truncation, or 128 to 128.
+    /// multiplied without truncation, or 128 to 128; or if one of them is more than 1024, the most of a
+    /// [`Basis`](crate::sh::Basis).
     pub fn new(bands_a: usize, bands_b: usize, bands_out: usize) -> Result<Self> {
         let bands = [bands_a, bands_b, bands_out];
         Ok(Self { bands, form: Form::new(bands, false)?, matrix: OnceLock::new(), arch: Arch::new() })
@@ -163,9 +170,9 @@ impl<T: Real> Product<T> {
     /// If `a.len()`, `b.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
     pub fn batch(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
-        check_length("factor a", square(self.bands[0]) * count, a.len());
-        check_length("factor b", square(self.bands[1]) * count, b.len());
-        check_length("product", square(self.bands[2]) * count, out.len());
+        check_length("factor a", square(self.bands[0]).saturating_mul(count), a.len());
+        check_length("factor b", square(self.bands[1]).saturating_mul(count), b.len());
+        check_length("product", square(self.bands[2]).saturating_mul(count), out.len());
         self.form.run(self.arch, count, [a, b], out);
     }
 
@@ -287,8 +294,8 @@ impl<T: Real> Square<T> {
     /// If `a.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
     pub fn batch(&self, count: usize, a: &[T], out: &mut [T]) {
-        check_length("factor", square(self.bands[0]) * count, a.len());
-        check_length("square", square(self.bands[1]) * count, out.len());
+        check_length("factor", square(self.bands[0]).saturating_mul(count), a.len());
+        check_length("square", square(self.bands[1]).saturating_mul(count), out.len());
         self.form.run(self.arch, count, [a, a], out);
     }
 }

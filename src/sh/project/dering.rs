@@ -18,12 +18,12 @@ pub enum DeringBy<const C: usize> {
 /// The family from which the window is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum DeringWindow {
-    /// [`Window::Curvature`], the usual choice [Sloan 2008, 2017]: the mildest for lights that ring a little. Its own kernel is
+    /// [`Window::Curvature`] [Sloan 2008, 2017]: the mildest where the light is dim everywhere and rings a little. Its own kernel is
     /// negative in places, so a bright light over black needs much of it, however many the bands.
-    #[default]
     Curvature,
-    /// [`Window::Gaussian`]: the flow of heat, whose kernel is positive, so only the cut at `bands` rings. For bright lights over
-    /// black it needs the less blur the more bands there are.
+    /// [`Window::Gaussian`], the default: the flow of heat, whose kernel is positive, so only the cut at `bands` rings. For bright
+    /// lights over black it needs the less blur the more bands there are (docs/sh.md has the errors of both).
+    #[default]
     Gaussian,
 }
 

@@ -6,7 +6,8 @@ use crate::sh::bands_of;
 
 /// Factors w_l that fade the high degrees of an expansion, so that it rings less around edges and small bright lights.
 ///
-/// Each is a convolution with a zonal kernel and has w_0 = 1: the mean stays. What it costs is sharpness: small widths (large λ, σ)
+/// Each is a convolution with a zonal kernel and has w_0 = 1: the mean stays. The other factors are in [0, 1] (Lanczos' too), at an
+/// infinite width all 1, at an infinite σ or λ all 0. A width that is NaN counts as 0; a σ or λ that is NaN makes them NaN. What it costs is sharpness: small widths (large λ, σ)
 /// blur, large ones leave the ringing.
 ///
 /// | window | w_l | how much |
@@ -43,7 +44,7 @@ pub enum Window {
     },
     /// 1/(1 + λ l²(l+1)²).
     Curvature {
-        /// λ ≥ 0, the weight of the squared Laplacian.
+        /// λ, the weight of the squared Laplacian; below 0 counts as 0.
         lambda: f64,
     },
 }
@@ -60,9 +61,10 @@ impl Window {
             Self::Hanning { width } => (0.5 * std::f64::consts::PI * degree / width).cos().powi(2),
             Self::Lanczos { width } => {
                 let x = std::f64::consts::PI * degree / width;
-                x.sin() / x
+                if x == 0.0 { 1.0 } else { x.sin() / x }
             }
             Self::Gaussian { deviation } => (-0.5 * deviation * deviation * x).exp(),
+            Self::Curvature { lambda } if lambda < 0.0 => 1.0,
             Self::Curvature { lambda } => 1.0 / (1.0 + lambda * x * x),
         }
     }

@@ -168,8 +168,8 @@ impl<T: Real> Rotation<T> {
     /// If `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
-        check_length("coefficients", self.bands * self.bands * count, f.len());
-        check_length("rotated coefficients", self.bands * self.bands * count, out.len());
+        check_length("coefficients", (self.bands * self.bands).saturating_mul(count), f.len());
+        check_length("rotated coefficients", (self.bands * self.bands).saturating_mul(count), out.len());
         if count < blocks::least::<T>() {
             (0..count).for_each(|v| self.one([count, v], f, out));
         } else {

@@ -1,6 +1,6 @@
 //! Many rotations, a vector each.
 
-use nalgebra::{Rotation3, UnitQuaternion};
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::{
@@ -35,10 +35,11 @@ const UNROLLED: usize = 6;
 /// special axis. The two differ by rounding. Where one rotation is for many vectors, a [`Rotation`](super::Rotation) is faster.
 ///
 /// Every rotation is good: those that keep or reverse the z axis are done without either, without rounding if they are half turns or none.
-/// A quaternion need not have length 1: any length from 1e-3 to 1e6 gives the same rotation, 0 none. Of a matrix that
+/// A quaternion need not have length 1: any length gives the same rotation, 0 none. Of a matrix that
 /// is not quite orthogonal, off by δ, the chain takes some rotation that is as far off, and keeps lengths to rounding; sampling evaluates
 /// the y_{lm} as polynomials at Rᵀd_i, so results and lengths are off by a few l δ.
-/// NaN in a rotation reaches all coefficients of its vector but the first, NaN in a coefficient those of its degree.
+/// NaN or infinity in a rotation makes all coefficients of its vector NaN but the first, NaN in a coefficient those of its degree. (A
+/// [`Rotation`](super::Rotation) refuses it.)
 ///
 /// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
 ///
@@ -93,6 +94,9 @@ impl<T: Real> Rotator<T> {
         self.check(1, f, out);
         let pose = Pose::Matrix(&rotation.matrix().data.0);
         let r = || entries(rotation);
+        if !is_finite(&r()) {
+            return poison(1, 0, f, out);
+        }
         let [_, _, x, _, _, y, ..] = r();
         if x * x + y * y < tiny() {
             return self.flat(&matrix_flat(&r()), f, out);
@@ -109,6 +113,9 @@ impl<T: Real> Rotator<T> {
         self.check(1, f, out);
         let q = || components(rotation);
         let [x, y, z, w] = q();
+        if !in_range(&q()) {
+            return self.out_of_range(&q(), f, out);
+        }
         let [about, across] = [w * w + z * z, x * x + y * y];
         if about * across < tiny() {
             return self.flat(&quaternion_flat(q()), f, out);
@@ -129,6 +136,17 @@ impl<T: Real> Rotator<T> {
         }
         self.check(count, f, out);
         self.many(count, &Poses::Quaternions(quaternions), f, out);
+        // One pass for the usual case; it vectorises.
+        let usual = |v: usize| in_range(&quaternions.map(|c| c[v]));
+        if (0..count).fold(true, |all, v| all & usual(v)) {
+            return;
+        }
+        let column = |f: &[T], v: usize| f[v..].iter().step_by(count).copied().collect::<Vec<T>>();
+        for v in (0..count).filter(|&v| !usual(v)) {
+            let (f, mut turned) = (column(f, v), column(out, v));
+            self.out_of_range(&quaternions.map(|c| c[v]), &f, &mut turned);
+            out[v..].iter_mut().step_by(count).zip(turned).for_each(|(out, x)| *out = x);
+        }
     }
 
     /// `count` expansions, each rotated by its matrix, nine slices of entries row by row, as [`apply`](Self::apply) would up to rounding,
@@ -143,12 +161,31 @@ impl<T: Real> Rotator<T> {
         }
         self.check(count, f, out);
         self.many(count, &Poses::Matrices(matrices), f, out);
+        if !matrices.iter().all(|entries| is_finite(entries)) {
+            for v in (0..count).filter(|&v| matrices.iter().any(|entries| !entries[v].is_finite())) {
+                poison(count, v, f, out);
+            }
+        }
+    }
+
+    /// One expansion by a quaternion whose squares may under- or overflow.
+    #[cold]
+    fn out_of_range(&self, q: &[T; 4], f: &[T], out: &mut [T]) {
+        let size = largest(q);
+        if !is_finite(q) {
+            poison(1, 0, f, out);
+        } else if size == T::zero() {
+            out.copy_from_slice(f);
+        } else {
+            let [x, y, z, w] = q.map(|c| c / size);
+            self.apply_quaternion(&UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)), f, out);
+        }
     }
 
     #[track_caller]
     fn check(&self, count: usize, f: &[T], out: &[T]) {
-        check_length("coefficients", self.bands * self.bands * count, f.len());
-        check_length("rotated coefficients", self.bands * self.bands * count, out.len());
+        check_length("coefficients", (self.bands * self.bands).saturating_mul(count), f.len());
+        check_length("rotated coefficients", (self.bands * self.bands).saturating_mul(count), out.len());
     }
 
     #[cold]
@@ -267,6 +304,32 @@ impl<T: Real> Job<'_, T> {
             }
         }
     }
+}
+
+/// Whether no number of a rotation is NaN or infinite.
+#[inline(always)]
+fn is_finite<T: Real>(numbers: &[T]) -> bool {
+    numbers.iter().fold(T::zero(), |sum, &x| sum + x * T::zero()) == T::zero()
+}
+
+/// What a rotation that is none makes of vector v of `count`: the methods do not read every number of every rotation.
+#[cold]
+fn poison<T: Real>(count: usize, v: usize, f: &[T], out: &mut [T]) {
+    out[v] = f[v];
+    out[v..].iter_mut().step_by(count).skip(1).for_each(|out| *out = T::nan());
+}
+
+/// The largest number of a quaternion, NaN left out.
+#[inline(always)]
+fn largest<T: Real>(q: &[T; 4]) -> T {
+    q.iter().fold(T::zero(), |most, c| most.max(c.abs()))
+}
+
+/// Whether the length of a quaternion is in 5e-4…2e6 or so and nothing of it is NaN, so that squares of its squares are normal numbers.
+#[inline(always)]
+fn in_range<T: Real>(q: &[T; 4]) -> bool {
+    let most = largest(q);
+    is_finite(q) & (most >= T::of(5e-4)) & (most <= T::of(2e6))
 }
 
 const fn lanes<T>() -> usize {

@@ -42,16 +42,24 @@ fn coefficient_over_factor(l: usize) -> f64 {
 }
 
 fn check_bands(bands: usize) -> Result<()> {
-    if bands == 0 { Err(Error::OutOfRange { what: "bands", got: 0.0, allowed: "at least 1" }) } else { Ok(()) }
+    if (1..=MAX_BANDS).contains(&bands) {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { what: "bands of a zonal function", got: bands as f64, allowed: "1 to 65536" })
+    }
 }
+
+/// The most degrees: those of a lobe of 1e-4 rad.
+const MAX_BANDS: usize = 1 << 16;
 
 impl<T: Real> Zonal<T> {
     /// From factors k_l.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for none.
+    /// [`Error::OutOfRange`] for none, or more than 65536.
     pub fn from_factors(factors: impl IntoIterator<Item = T>) -> Result<Self> {
-        let factors: Vec<T> = factors.into_iter().collect();
+        // One more than is allowed shows that there are too many, without end if they have none.
+        let factors: Vec<T> = factors.into_iter().take(MAX_BANDS + 1).collect();
         check_bands(factors.len())?;
         Ok(Self { factors })
     }
@@ -59,7 +67,7 @@ impl<T: Real> Zonal<T> {
     /// From coefficients z_l with respect to y_{l,0}.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for none.
+    /// [`Error::OutOfRange`] for none, or more than 65536.
     pub fn from_coefficients(coefficients: impl IntoIterator<Item = T>) -> Result<Self> {
         let scaled = coefficients.into_iter().enumerate();
         Self::from_factors(scaled.map(|(l, z)| T::of(z.widen() / coefficient_over_factor(l))))
@@ -67,6 +75,7 @@ impl<T: Real> Zonal<T> {
 
     /// From `f64` factors, without end: the first `bands`.
     fn take(bands: usize, factors: impl Iterator<Item = f64>) -> Result<Self> {
+        check_bands(bands)?;
         Self::from_factors(factors.take(bands).map(T::of))
     }
 
@@ -76,7 +85,7 @@ impl<T: Real> Zonal<T> {
     /// Accuracy there: 1e-14 of max |f|. Allocates.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0, [`Error::Empty`] if `nodes` is, and [`Error::OutOfRange`] unless the breaks ascend
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536, [`Error::Empty`] if `nodes` is, and [`Error::OutOfRange`] unless the breaks ascend
     /// strictly inside (−1, 1).
     ///
     /// # Example
@@ -114,7 +123,7 @@ impl<T: Real> Zonal<T> {
     /// The delta: ∫ f = 1, all of it on the axis. Every factor is 1.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
     pub fn delta(bands: usize) -> Result<Self> {
         Self::take(bands, std::iter::repeat(1.0))
     }
@@ -126,7 +135,7 @@ impl<T: Real> Zonal<T> {
     /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
     pub fn clamped_cosine(bands: usize) -> Result<Self> {
         Self::cosine_power(bands, 1.0)
     }
@@ -141,7 +150,7 @@ impl<T: Real> Zonal<T> {
     /// Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100. (Sun's 2.19 means this lobe: the max is missing in print.)
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0, or unless 0 ≤ `power` < ∞.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536, or unless 0 ≤ `power` < ∞.
     pub fn cosine_power(bands: usize, power: f64) -> Result<Self> {
         if !(0.0..f64::INFINITY).contains(&power) {
             return Err(Error::OutOfRange { what: "power of a cosine", got: power, allowed: "in [0, ∞)" });
@@ -157,7 +166,7 @@ impl<T: Real> Zonal<T> {
     /// 0 counts as 0, one above π as π; NaN gives NaN.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
     ///
     /// # Example
     /// ```
@@ -175,7 +184,7 @@ impl<T: Real> Zonal<T> {
     /// [`cap`](Self::cap): with relative accuracy at both ends. Angles likewise.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
     pub fn outside_cap(bands: usize, half_angle: f64) -> Result<Self> {
         Self::take(bands, CapFactors::from_half_angle(half_angle).complement())
     }
@@ -185,7 +194,7 @@ impl<T: Real> Zonal<T> {
     /// Accuracy: relative, 6e-16 below 12 bands, 3e-15 below 100, for κ from 0 to ∞.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0.
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
     pub fn von_mises_fisher(bands: usize, density: &VonMisesFisher) -> Result<Self> {
         check_bands(bands)?;
         let mut factors = vec![0.0; bands];
@@ -313,7 +322,7 @@ impl<T: Real> Zonal<T> {
     /// If `coefficients.len()` is not count · bands².
     #[track_caller]
     pub fn convolve_batch(&self, count: usize, coefficients: &mut [T]) {
-        check_length("coefficients", count * self.bands() * self.bands(), coefficients.len());
+        check_length("coefficients", (self.bands() * self.bands()).saturating_mul(count), coefficients.len());
         let mut rest = coefficients;
         for (l, &k) in self.factors.iter().enumerate() {
             let (degree, above) = rest.split_at_mut((2 * l + 1) * count);

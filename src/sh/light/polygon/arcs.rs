@@ -59,14 +59,14 @@ impl ArcRules {
 /// The nodes of all arcs, weighted by the components of p; returns the moment ∫ ω dω = ½ Σ p · length [Lambert].
 pub(super) fn push_nodes(rules: &ArcRules, outline: &Outline, nodes: &mut Nodes) -> Vector3<f64> {
     let mut moment = Vector3::zeros();
-    for (a, b) in outline.edges() {
+    for (a, b) in outline.arcs() {
         // Not a × b: of vertices close together the difference is exact.
         let cross = a.cross(&(b - a));
         let sine = cross.norm();
         if sine == 0.0 {
             continue;
         }
-        let half = 0.5 * sine.atan2(a.dot(b));
+        let half = 0.5 * sine.atan2(a.dot(&b));
         let p = cross / sine;
         let start = a / a.norm();
         let (sin, cos) = sin_cos(half);

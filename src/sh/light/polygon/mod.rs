@@ -167,8 +167,10 @@ impl PolygonLight {
 
     /// The coefficients of a polygon seen from the origin; returns its solid angle.
     ///
-    /// `vertices` are relative to the point that sees them, at any scale. With a `horizon` only what lies above it counts, n · ω > 0: a
-    /// surface of normal n sees no more. Fewer than three vertices, and a polygon that looks like a line, give 0; NaN gives NaN.
+    /// `vertices` are relative to the point that sees them, at any scale, each at its own. With a `horizon` only what lies above it
+    /// counts, n · ω > 0: a surface of normal n, of any length, sees no more; a normal of length 0 cuts nothing. Vertices at the origin
+    /// are left out. Fewer than three vertices, and a polygon that looks like a line, give 0; NaN or infinity in a vertex or the horizon
+    /// gives NaN.
     ///
     /// # Panics
     /// If `out.len()` is not bands².
@@ -183,7 +185,7 @@ impl PolygonLight {
         check_length("coefficients", self.bands * self.bands, out.len());
         scratch.outline.clear();
         let wide = vertices.iter().map(|v| v.map(T::widen));
-        outline::clip(wide, horizon.map(|n| n.map(T::widen)), &mut scratch.outline);
+        outline::outline(wide, horizon.map(|n| n.map(T::widen)), &mut scratch.outline);
         self.integrate(scratch);
         for (out, &value) in out.iter_mut().zip(&scratch.result) {
             *out = T::of(value);
@@ -209,12 +211,16 @@ impl PolygonLight {
     ) {
         let count = points.len();
         check_length("normals", count, normals.map_or(count, <[_]>::len));
-        check_length("coefficients", self.bands * self.bands * count, out.len());
+        check_length("coefficients", (self.bands * self.bands).saturating_mul(count), out.len());
         for (p, point) in points.iter().enumerate() {
             scratch.outline.clear();
             let point = point.map(T::widen);
-            let seen = vertices.iter().map(|v| v.map(T::widen) - point);
-            outline::clip(seen, normals.map(|n| n[p].map(T::widen)), &mut scratch.outline);
+            // Only directions matter: halves where the difference overflows.
+            let seen = vertices.iter().map(|v| {
+                let (v, away) = (v.map(T::widen), v.map(T::widen) - point);
+                if away.iter().all(|c| c.is_finite()) { away } else { v * 0.5 - point * 0.5 }
+            });
+            outline::outline(seen, normals.map(|n| n[p].map(T::widen)), &mut scratch.outline);
             self.integrate(scratch);
             for (i, &value) in scratch.result.iter().enumerate() {
                 out[i * count + p] = T::of(value);

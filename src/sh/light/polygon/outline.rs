@@ -2,10 +2,41 @@
 
 use nalgebra::Vector3;
 
+/// 2^100: vertices farther apart in size than this are brought to one size. Products of four of them then neither over- nor underflow.
+const WIDEST: f64 = 1.267_650_600_228_229_4e30;
+
+/// The outline to integrate: [clipped](clip) vertices of comfortable sizes, or one of NaN if a number is NaN or infinite.
+///
+/// Only the directions of vertices matter, so that each may be scaled by a power of two, which rounds nothing. All are by the same one,
+/// for the differences of neighbours to stay exact, but those that are smaller than the largest by a factor of 2^100.
+pub(super) fn outline(
+    vertices: impl DoubleEndedIterator<Item = Vector3<f64>> + Clone,
+    horizon: Option<Vector3<f64>>,
+    out: &mut Vec<Vector3<f64>>,
+) {
+    let is_finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
+    if !vertices.clone().chain(horizon).all(|v| is_finite(&v)) {
+        return out.push(Vector3::repeat(f64::NAN));
+    }
+    let largest = vertices.clone().fold(0.0, |size: f64, v| size.max(v.amax()));
+    let sized = vertices.map(|v| {
+        let size = v.amax();
+        let own = if size < largest / WIDEST { size } else { largest };
+        if (1.0 / WIDEST..=WIDEST).contains(&own) || size == 0.0 { v } else { scaled(&v, own) }
+    });
+    clip(sized, horizon.map(|n| if n.amax() > 0.0 { scaled(&n, n.amax()) } else { n }), out);
+}
+
+/// A vector over the power of two that is next below `size`, in two steps, for it may be out of range itself.
+fn scaled(v: &Vector3<f64>, size: f64) -> Vector3<f64> {
+    let half = -size.log2().floor() * 0.5;
+    (v * half.floor().exp2()) * half.ceil().exp2()
+}
+
 /// The part of a closed outline above a plane through the origin [Sutherland & Hodgman 1974]; all of it without one.
 ///
 /// Where a part that is not convex falls apart, its pieces stay joined along the plane, there and back: such arcs cancel.
-pub(super) fn clip(
+fn clip(
     vertices: impl DoubleEndedIterator<Item = Vector3<f64>> + Clone,
     horizon: Option<Vector3<f64>>,
     out: &mut Vec<Vector3<f64>>,
@@ -15,8 +46,7 @@ pub(super) fn clip(
     let mut height_before = normal.dot(&before);
     for vertex in vertices {
         let height = normal.dot(&vertex);
-        // A vertex of NaN is kept, and shows.
-        let (above, above_before) = (!(height < 0.0), !(height_before < 0.0));
+        let (above, above_before) = (height >= 0.0, height_before >= 0.0);
         if above != above_before {
             out.push((before * height - vertex * height_before) / (height - height_before));
         }
@@ -41,11 +71,8 @@ impl<'a> Outline<'a> {
         if size == 0.0 {
             return None;
         }
-        // A power of two, which rounds nothing; in two steps, for it may be out of range itself.
-        let half = -size.log2().floor() * 0.5;
-        let (first, second) = (half.floor().exp2(), half.ceil().exp2());
-        vertices.iter_mut().for_each(|v| *v = (*v * first) * second);
-        vertices.retain(|v| v.amax() > 1e-100);
+        vertices.iter_mut().for_each(|v| *v = scaled(v, size));
+        vertices.retain(|v| v.amax() > 0.0);
         if vertices.len() < 3 {
             return None;
         }
@@ -61,6 +88,19 @@ impl<'a> Outline<'a> {
     pub(super) fn edges(&self) -> impl Iterator<Item = (&Vector3<f64>, &Vector3<f64>)> {
         let n = self.vertices.len();
         self.vertices.iter().enumerate().map(move |(i, a)| (a, &self.vertices[if i + 1 == n { 0 } else { i + 1 }]))
+    }
+
+    /// The edges as great-circle arcs: pairs of vectors of like size along a and b. Of unlike ones b − a would lose the shorter.
+    pub(super) fn arcs(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> {
+        self.edges().map(|(a, b)| {
+            let (size_a, size_b) = (a.amax(), b.amax());
+            // Vertices that are close together keep their exact difference.
+            if size_a <= 4.0 * size_b && size_b <= 4.0 * size_a {
+                (*a, *b)
+            } else {
+                (scaled(a, size_a), scaled(b, size_b))
+            }
+        })
     }
 
     /// The largest chord from the middle to a vertex, on the unit sphere; ∞ where there is no middle.
@@ -86,12 +126,12 @@ impl<'a> Outline<'a> {
             self.middle
         };
         let apex = apex / apex.norm().max(f64::MIN_POSITIVE);
-        let triangle = |(a, b): (&Vector3<f64>, &Vector3<f64>)| {
+        let triangle = |(a, b): (Vector3<f64>, Vector3<f64>)| {
             let (length_a, length_b) = (a.norm(), b.norm());
             let determinant = apex.dot(&a.cross(&(b - a)));
-            let rest = length_a * length_b + a.dot(b) + apex.dot(a) * length_b + apex.dot(b) * length_a;
+            let rest = length_a * length_b + a.dot(&b) + apex.dot(&a) * length_b + apex.dot(&b) * length_a;
             2.0 * determinant.atan2(rest)
         };
-        self.edges().map(triangle).sum()
+        self.arcs().map(triangle).sum()
     }
 }
