@@ -53,6 +53,13 @@ impl Codes {
         Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
     }
 
+    /// Of codes that are there.
+    #[inline(always)]
+    pub(super) fn of(codes: &[u16; 16]) -> Self {
+        let [rms, bias, mean] = [0, 4, 8].map(|k| Four::of([codes[k], codes[k + 1], codes[k + 2], codes[k + 3]]));
+        Self { rms, bias, mean }
+    }
+
     pub(super) fn worse(self, other: Self) -> Self {
         Self { rms: self.rms.larger(other.rms), bias: self.bias.larger(other.bias), mean: self.mean.larger(other.mean) }
     }
@@ -73,7 +80,12 @@ struct Four(u64);
 
 impl Four {
     fn new(codes: [u8; 4]) -> Self {
-        Self(codes.iter().rev().fold(0, |four, &code| four << 16 | u64::from(code)))
+        Self::of(codes.map(u16::from))
+    }
+
+    #[inline(always)]
+    fn of([a, b, c, d]: [u16; 4]) -> Self {
+        Self(u64::from(a) | u64::from(b) << 16 | u64::from(c) << 32 | u64::from(d) << 48)
     }
 
     fn larger(self, other: Self) -> Self {
@@ -221,8 +233,8 @@ impl Norms {
 }
 
 /// Above every threshold.
-const NEVER: u8 = u8::MAX;
-const STEPS: f64 = 8.0;
+pub(super) const NEVER: u8 = u8::MAX;
+pub(super) const STEPS: f64 = 8.0;
 const ZERO: f64 = 200.0;
 
 /// Rounded up: an error is never less than its code says.
@@ -232,6 +244,18 @@ fn code(error: f64) -> u8 {
         e if e < f64::INFINITY => (ZERO + STEPS * e.log2()).ceil().clamp(1.0, f64::from(NEVER)) as u8,
         _ => NEVER,
     }
+}
+
+/// [`code`] from the bits of a number, but at least 1: eight per octave, so that the mantissa says how many of seven roots are passed.
+pub(super) fn quick_code(error: f32) -> u8 {
+    const MANTISSA: u32 = (1 << 23) - 1;
+    // ⌊2²³ (2^(k/8) − 1)⌋, k = 0…7.
+    const ROOTS: [u32; 8] = [0, 759_233, 1_587_184, 2_490_070, 3_474_675, 4_548_394, 5_719_292, 6_996_166];
+    let bits = error.to_bits();
+    let octave = (bits >> 23) as i32 - 127;
+    let passed = ROOTS.iter().map(|&root| i32::from(bits & MANTISSA > root)).sum::<i32>();
+    // Infinity and NaN are of the highest octave.
+    (ZERO as i32 + STEPS as i32 * octave + passed).clamp(1, i32::from(NEVER)) as u8
 }
 
 /// The code of the largest error that is allowed, rounded down; to be lessened by [`offset`]s.
