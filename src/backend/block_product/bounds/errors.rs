@@ -53,11 +53,33 @@ impl Codes {
         Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
     }
 
-    /// Of codes that are there.
-    #[inline(always)]
-    pub(super) fn of(codes: &[u16; 16]) -> Self {
-        let [rms, bias, mean] = [0, 4, 8].map(|k| Four::of([codes[k], codes[k + 1], codes[k + 2], codes[k + 3]]));
+    /// Of errors as they are.
+    #[cfg(test)]
+    pub(super) fn exactly(errors: Errors) -> Self {
+        let codes = |errors: [f64; 4]| Four::new(errors.map(code));
+        Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
+    }
+
+    #[cfg(test)]
+    pub(super) fn all(&self) -> [u8; 12] {
+        std::array::from_fn(|k| ([self.rms, self.bias, self.mean][k / 4].0 >> (16 * (k % 4))) as u8)
+    }
+
+    /// Of codes that are there: rms, bias, mean.
+    pub(super) fn of(codes: &[[u8; 4]; 3]) -> Self {
+        let [rms, bias, mean] = codes.map(Four::new);
         Self { rms, bias, mean }
+    }
+
+    /// What lies between four, rounded up; the weights add up to 256.
+    #[inline(always)]
+    pub(super) fn between(four: [&Self; 4], weights: [u64; 4]) -> Self {
+        let [a, b, c, d] = four;
+        Self {
+            rms: Four::between([a.rms, b.rms, c.rms, d.rms], weights),
+            bias: Four::between([a.bias, b.bias, c.bias, d.bias], weights),
+            mean: Four::between([a.mean, b.mean, c.mean, d.mean], weights),
+        }
     }
 
     pub(super) fn worse(self, other: Self) -> Self {
@@ -80,12 +102,15 @@ struct Four(u64);
 
 impl Four {
     fn new(codes: [u8; 4]) -> Self {
-        Self::of(codes.map(u16::from))
+        Self(codes.iter().rev().fold(0, |four, &code| four << 16 | u64::from(code)))
     }
 
+    /// All four at once: sixteen bits hold 255 · 256 and what rounds it up.
     #[inline(always)]
-    fn of([a, b, c, d]: [u16; 4]) -> Self {
-        Self(u64::from(a) | u64::from(b) << 16 | u64::from(c) << 32 | u64::from(d) << 48)
+    fn between([a, b, c, d]: [Self; 4], weights: [u64; 4]) -> Self {
+        const LOW: u64 = 0x00ff_00ff_00ff_00ff;
+        let sum = a.0 * weights[0] + b.0 * weights[1] + c.0 * weights[2] + d.0 * weights[3] + LOW;
+        Self(sum >> 8 & LOW)
     }
 
     fn larger(self, other: Self) -> Self {
@@ -233,7 +258,7 @@ impl Norms {
 }
 
 /// Above every threshold.
-pub(super) const NEVER: u8 = u8::MAX;
+const NEVER: u8 = u8::MAX;
 pub(super) const STEPS: f64 = 8.0;
 const ZERO: f64 = 200.0;
 

@@ -3,8 +3,9 @@
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::errors::{Errors, quick_code as code, spread};
-use super::lanes::Sums;
-use crate::backend::block_product::interpolation::Interpolation;
+use super::lanes::{Lanes, Sums};
+use super::wide::Entry;
+use crate::backend::block_product::interpolation::{Interpolation, Level};
 use crate::backend::block_product::layout::BlockLayout;
 use crate::backend::block_product::light::NODES;
 use crate::backend::block_product::tiles::{Eight, GROUP};
@@ -24,8 +25,9 @@ pub(super) struct Probe {
     pub(super) pixels: Vec<Eight<3>>,
     /// The nodes of 1, 4 and 16 samples; the last lanes repeat the last.
     pub(super) nodes: [Eight<3>; NODES.div_ceil(GROUP)],
-    /// [eight pixels][node]
-    pub(super) cardinals: Vec<[[f32; GROUP]; NODES]>,
+    /// [eight pixels][node] of 4 and 16 samples.
+    pub(super) four: Vec<[Lanes; 4]>,
+    pub(super) sixteen: Vec<[Lanes; 16]>,
     pub(super) radius: f64,
 }
 
@@ -44,21 +46,24 @@ impl Probe {
         let chosen: Vec<&(Vector3<f64>, usize)> = shape.pixels.iter().filter(|(_, p)| is_probed(*p, side)).collect();
         let places: Vec<Vector3<f64>> = chosen.iter().map(|(d, _)| *d).collect();
         let nodes: Vec<Vector3<f64>> = shape.nodes.iter().flatten().copied().collect();
-        let levels = interpolation.levels();
-        let cardinals = chosen.chunks(GROUP).map(|eight| {
-            let mut rows = [[0.0; GROUP]; NODES];
-            for (row, cardinal) in rows.iter_mut().zip(levels.iter().flat_map(|level| &level.cardinals)) {
-                row.iter_mut().zip(eight).for_each(|(x, (_, pixel))| *x = cardinal[*pixel] as f32);
-            }
-            rows
-        });
+        let pixels: Vec<usize> = chosen.iter().map(|(_, pixel)| *pixel).collect();
+        let [_, four, sixteen] = interpolation.levels();
         Self {
             pixels: places.chunks(GROUP).map(eight).collect(),
             nodes: std::array::from_fn(|k| eight(&nodes[k * GROUP..])),
-            cardinals: cardinals.collect(),
+            four: cardinals(four, &pixels),
+            sixteen: cardinals(sixteen, &pixels),
             radius: shape.pixels.iter().map(|(d, _)| d.z.min(1.0).acos()).fold(0.0, f64::max),
         }
     }
+}
+
+/// The cardinal functions of a level at pixels, eight by eight.
+fn cardinals<const COUNT: usize>(level: &Level, pixels: &[usize]) -> Vec<[Lanes; COUNT]> {
+    let eight = |pixels: &[usize]| {
+        std::array::from_fn(|node| std::array::from_fn(|lane| level.cardinals[node][pixels[lane]] as f32))
+    };
+    pixels.chunks_exact(GROUP).map(eight).collect()
 }
 
 /// One pixel of every 2 × 2, each of the four in turn; all of the smallest blocks.
@@ -79,8 +84,11 @@ pub(in crate::backend::block_product) struct Gauge {
     pub(super) spread: f64,
     /// Shapes alike in size, smallest first: what stands for each.
     pub(super) groups: Vec<Vec<Probe>>,
+    /// [shape]
+    #[cfg(test)]
+    group_of_shape: Vec<u8>,
     /// [block]: its group.
-    pub(super) group_of: Vec<u8>,
+    group_of: Vec<u8>,
     /// What stands for all shapes.
     pub(super) all: Vec<Vec<Probe>>,
 }
@@ -117,6 +125,8 @@ impl Gauge {
         Self {
             interpolation: interpolation.clone(),
             groups: runs.iter().map(both).collect(),
+            #[cfg(test)]
+            group_of_shape: (0..blocks.len()).map(group_of_shape).collect(),
             group_of: (0..layout.blocks()).map(|block| group_of_shape(layout.shape_of(block))).collect(),
             all: vec![both(&&by_size[..])],
             shapes,
@@ -124,6 +134,11 @@ impl Gauge {
             side,
             spread: spread(layout.blocks()),
         }
+    }
+
+    #[cfg(test)]
+    pub(super) fn group_of_shape(&self, shape: usize) -> u8 {
+        self.group_of_shape[shape]
     }
 
     /// [block]: the group of its shape.
@@ -135,19 +150,19 @@ impl Gauge {
     /// not every pixel was probed.
     ///
     /// `peak` is what the lobe reaches in the block, if it may have been missed.
-    pub(super) fn entry(&self, sums: &Sums, probe: &Probe, peak: f32) -> [u8; 16] {
+    pub(super) fn entry(&self, sums: &Sums, probe: &Probe, peak: f32) -> Entry {
         let count = (probe.pixels.len() * GROUP) as f32;
         let missed = peak / self.side as f32;
         let rms = sums.squares.map(|x| (x / count).sqrt());
         let is_missed = rms[0] < missed || peak.is_infinite();
-        let mut entry = [1; 16];
+        let mut entry = Entry::default();
         for k in 0..4 {
             let weight = if k == 0 { self.spread as f32 } else { 1.0 };
             let floor = if is_missed { missed } else { 0.0 };
             let pixel = floor / self.side as f32;
-            entry[k] = code(1.1 * (rms[k] * weight).max(floor));
-            entry[4 + k] = code(1.1 * (sums.signed[k] / count * weight).max(pixel));
-            entry[8 + k] = code(1.1 * (sums.sizes[k] / count * weight).max(pixel));
+            entry[0][k] = code(1.1 * (rms[k] * weight).max(floor));
+            entry[1][k] = code(1.1 * (sums.signed[k] / count * weight).max(pixel));
+            entry[2][k] = code(1.1 * (sums.sizes[k] / count * weight).max(pixel));
         }
         entry
     }

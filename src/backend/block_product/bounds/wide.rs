@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use nalgebra::Vector3;
 
 use super::cell_of;
-use super::errors::{Codes, NEVER, STEPS};
+use super::errors::{Codes, STEPS};
 use super::gauge::{Gauge, Probe};
 use super::lanes::{self, larger};
 use crate::scene::{Axes, Kernel, narrow};
@@ -42,7 +42,9 @@ struct Grid {
 }
 
 /// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
-type Entry = [u8; 16];
+pub(super) type Entry = [[u8; 4]; 3];
+
+const NONE: Entry = [[1; 4]; 3];
 
 /// Viewers below this cosine to the normal are in no table: lobes become too narrow there.
 const LEAST: f64 = 0.005;
@@ -156,7 +158,7 @@ impl WideNodes {
         let arch = pulp::Arch::new();
         let viewer = |node: usize| {
             let viewer = grid.viewer(node);
-            let mut entries = vec![[1; 16]; groups.len() * grid.plane()];
+            let mut entries = vec![NONE; groups.len() * grid.plane()];
             arch.dispatch(Measuring::<N, K> {
                 grid,
                 axes: viewer.axes(),
@@ -235,7 +237,7 @@ fn turn_to(z: &Vector3<f64>) -> [[f32; 3]; 3] {
 }
 
 fn worse(a: Entry, b: Entry) -> Entry {
-    std::array::from_fn(|k| a[k].max(b[k]))
+    std::array::from_fn(|k| std::array::from_fn(|i| a[k][i].max(b[k][i])))
 }
 
 /// Errors for other lobes, as frames look them up.
@@ -243,7 +245,7 @@ fn worse(a: Entry, b: Entry) -> Entry {
 pub(in crate::backend::block_product) struct WideBounds {
     grid: Grid,
     /// [cell of the viewer][group][row][column]
-    entries: Vec<Entry>,
+    entries: Vec<Codes>,
 }
 
 impl WideBounds {
@@ -253,7 +255,7 @@ impl WideBounds {
         let mut entries = Vec::with_capacity(grid.elevations * grid.azimuths * len);
         for cell in 0..grid.elevations * grid.azimuths {
             let corners = grid.corners(cell).map(|node| &nodes.entries[node * len..][..len]);
-            let slice: Vec<Entry> = (0..len).map(|i| corners.iter().fold([1; 16], |all, at| worse(all, at[i]))).collect();
+            let slice: Vec<Entry> = (0..len).map(|i| corners.iter().fold(NONE, |all, at| worse(all, at[i]))).collect();
             slice.chunks_exact(grid.plane()).for_each(|plane| increase(plane, grid.columns(), &mut entries));
         }
         Self { grid, entries }
@@ -291,25 +293,25 @@ impl WideBounds {
 }
 
 /// Appends a plane with each entry increased for what lies between it and its neighbours.
-fn increase(plane: &[Entry], columns: usize, to: &mut Vec<Entry>) {
-    let rows = plane.len() / columns;
-    let first = to.len();
-    to.extend_from_slice(plane);
+fn increase(plane: &[Entry], columns: usize, to: &mut Vec<Codes>) {
+    let (rows, mut more) = (plane.len() / columns, plane.to_vec());
     for row in 0..rows - 1 {
         for column in 0..columns - 1 {
             let corners = [0, 1, columns, columns + 1].map(|next| row * columns + column + next);
-            let highest = corners.iter().fold([0; 16], |all, &at| worse(all, plane[at]));
-            let lowest = corners.iter().fold([NEVER; 16], |all, &at| std::array::from_fn(|k| all[k].min(plane[at][k])));
-            for at in corners {
-                let entry = &mut to[first + at];
-                for k in 0..12 {
-                    let range = u32::from(highest[k] - lowest[k]);
-                    let more = u32::from(plane[at][k]) + (range * range).div_ceil(CURVED);
-                    entry[k] = entry[k].max(more.min(u32::from(highest[k])) as u8);
+            for k in 0..12 {
+                let code = |at: usize| plane[at].as_flattened()[k];
+                let (lowest, highest) = corners.iter().fold((u8::MAX, 0), |(low, high), &at| (code(at).min(low), code(at).max(high)));
+                let range = u32::from(highest - lowest);
+                let margin = (range * range).div_ceil(CURVED);
+                for at in corners {
+                    let raised = (u32::from(code(at)) + margin).min(u32::from(highest)) as u8;
+                    let entry = &mut more[at].as_flattened_mut()[k];
+                    *entry = raised.max(*entry);
                 }
             }
         }
     }
+    to.extend(more.iter().map(Codes::of));
 }
 
 /// R²/8 octaves in codes: (range/STEPS)²/8 · STEPS.
@@ -320,7 +322,7 @@ const CURVED: u32 = 8 * STEPS as u32;
 pub(in crate::backend::block_product) struct WideView<'a> {
     grid: Grid,
     /// [group][row][column]
-    entries: &'a [Entry],
+    entries: &'a [Codes],
     /// x, y and mirror direction of the slice, in world coordinates.
     axes: [[f32; 3]; 3],
 }
@@ -355,18 +357,11 @@ impl WideView<'_> {
     /// The errors at a place.
     #[inline(always)]
     pub(in crate::backend::block_product) fn codes(&self, Place(place): Place) -> Codes {
-        let (at, row, column) = ((place >> 8) as usize, (place >> 4 & 15) as u16, (place & 15) as u16);
-        let columns = self.grid.columns();
+        let (at, row, column) = ((place >> 8) as usize, u64::from(place >> 4 & 15), u64::from(place & 15));
+        let (columns, fine) = (self.grid.columns(), u64::from(FINE));
         let near = &self.entries[at..][..columns + 2];
-        let fine = FINE as u16;
         let weights = [(fine - row) * (fine - column), (fine - row) * column, row * (fine - column), row * column];
-        let corners = [&near[0], &near[1], &near[columns], &near[columns + 1]];
-        let mut codes = [0_u16; 16];
-        for k in 0..16 {
-            let sum = (0..4).fold(255_u16, |sum, corner| sum + weights[corner] * u16::from(corners[corner][k]));
-            codes[k] = sum >> 8;
-        }
-        Codes::of(&codes)
+        Codes::between([&near[0], &near[1], &near[columns], &near[columns + 1]], weights)
     }
 }
 
@@ -402,4 +397,88 @@ fn on_square(way: f64) -> [f64; 2] {
     };
     let size = x.hypot(y);
     [x / size, y / size]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Unit};
+
+    use super::super::errors::Errors;
+    use super::*;
+    use crate::backend::block_product::interpolation::{Basis, Interpolation};
+    use crate::backend::block_product::layout::BlockLayout;
+    use crate::compress::ScanOrder;
+    use crate::scene::{Brdf, CookTorrance, Reflectance, Ward};
+    use crate::sphere::CubeGrid;
+
+    /// Numbers in [0, 1).
+    fn random(i: usize) -> f64 {
+        ((i as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
+    }
+
+    /// How many codes a table has more than the errors of a whole block, at viewers, places and turns of all kinds: the least and the mean.
+    fn surplus(bounds: &WideBounds, gauge: &Gauge, lobe: impl Fn(&Vector3<f64>, &Vector3<f64>) -> f64) -> (i32, f64) {
+        let (mut least, mut sum, mut count) = (i32::MAX, 0.0, 0.0);
+        let axes = local_axes();
+        for i in 0..4000 {
+            let turn = |k: usize| std::f64::consts::TAU * random(5 * i + k * 7919);
+            let z = 0.03 + 0.97 * random(3 * i + 1);
+            let wo = Vector3::new(turn(1).cos() * (1.0 - z * z).sqrt(), turn(1).sin() * (1.0 - z * z).sqrt(), z);
+            let shape = i % gauge.shapes.len();
+            // Above the horizon as a whole: what lies below is for the tests of whole frames.
+            let lowest = gauge.radius.sin() + 0.01;
+            let height = lowest + (1.0 - lowest) * random(11 * i + 5);
+            let flat = (1.0 - height * height).sqrt();
+            let centre = Vector3::new(flat * turn(2).cos(), flat * turn(2).sin(), height);
+            let to = Rotation3::rotation_between(&Vector3::z_axis(), &Unit::new_normalize(centre)).expect("not opposite");
+            let to = to * Rotation3::from_axis_angle(&Vector3::z_axis(), turn(3));
+            let exact: Errors = gauge.errors(&gauge.shapes[shape], |d| {
+                let wi = to * d;
+                Vector3::new(lobe(&wi, &wo) * wi.z, 0.0, 0.0)
+            });
+            let view = bounds.seen_from(&axes, &wo).expect("high enough");
+            let group = gauge.groups.len() - 1;
+            let group = (0..=group).find(|&g| gauge.group_of_shape(shape) == g as u8).expect("every shape has a group");
+            let mut place = [Place::default()];
+            let centre = [centre.x, centre.y, centre.z].map(|x| vec![x as f32]);
+            view.find(&centre, &[group as u8], &mut place);
+            let got = view.codes(place[0]).all();
+            for (got, want) in got.iter().zip(Codes::exactly(exact).all()) {
+                // What is smaller than anything that is ever allowed says nothing.
+                if want > 40 {
+                    least = least.min(i32::from(*got) - i32::from(want));
+                    (sum, count) = (sum + f64::from(*got) - f64::from(want), count + 1.0);
+                }
+            }
+        }
+        assert!(count > 1000.0);
+        (least, sum / count)
+    }
+
+    #[test]
+    fn a_table_is_above_what_blocks_make_and_not_far() {
+        let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
+        let gauge = Gauge::new(&layout, &Interpolation::new(16, Basis::Polynomial).unwrap());
+        let axes = local_axes();
+        let mut all = Vec::new();
+        for alpha in [[0.1; 2], [0.2; 2], [0.5; 2], [0.15, 0.4]] {
+            let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
+            let ggx = CookTorrance::new([1.0; 3], alpha[0], alpha[1]).unwrap();
+            let nodes = WideNodes::measure(&gauge, symmetry, |wo| match ggx.facets(&axes, wo).unwrap() {
+                Reflectance::Grey(kernel) => kernel,
+                Reflectance::Coloured(_) => unreachable!(),
+            });
+            let of_ggx = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ggx.eval(wi, wo).x / ggx.constant());
+            let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
+            let nodes = WideNodes::measure(&gauge, symmetry, |wo| ward.kernel(&axes, wo).unwrap());
+            let of_ward = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ward.eval(wi, wo).x / ward.factor().x);
+            println!("{alpha:?}: GGX {of_ggx:?}, Ward {of_ward:?}");
+            all.extend([of_ggx, of_ward]);
+        }
+        for (least, mean) in all {
+            // Eight codes are a factor of 2.
+            assert!(least >= -8, "a table is too low by {least} codes");
+            assert!(mean <= 12.0, "a table is too high by {mean} codes");
+        }
+    }
 }
