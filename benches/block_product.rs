@@ -14,10 +14,10 @@ use haarmonic::scene::{
 use haarmonic::sphere::{CubeGrid, CubeMap};
 use haarmonic_benches::Jobs;
 
-const VERTICES: usize = 6000;
+const VERTICES: usize = 1500;
 
 /// The parts of the table scene: floor, table, chairs, railing, fruit.
-const MATERIALS: [(&str, [&str; 5]); 5] = [
+const MATERIALS: [(&str, [&str; 5]); 8] = [
     ("diffuse", ["lambert:0.7"; 5]),
     ("exponent 10", ["lambert:0.7", "phong:10:0.3+lambert:0.4", "phong:10:0.3", "phong:10:0.3", "phong:10:0.3"]),
     (
@@ -28,7 +28,10 @@ const MATERIALS: [(&str, [&str; 5]); 5] = [
         "Ward .15 .3",
         ["lambert:0.7", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3", "ward:0.15:0.3:0.3"],
     ),
+    ("Ward .2", ["lambert:0.7", "ward:0.2:0.2:0.3", "ward:0.2:0.2:0.3", "ward:0.2:0.2:0.3", "ward:0.2:0.2:0.3"]),
+    ("Ward .4", ["lambert:0.7", "ward:0.4:0.4:0.3", "ward:0.4:0.4:0.3", "ward:0.4:0.4:0.3", "ward:0.4:0.4:0.3"]),
     ("GGX .2", ["lambert:0.7", "ggx:0.2", "ggx:0.2", "ggx:0.2", "ggx:0.2"]),
+    ("GGX .4", ["lambert:0.7", "ggx:0.4", "ggx:0.4", "ggx:0.4", "ggx:0.4"]),
 ];
 
 struct Stage {
@@ -85,7 +88,7 @@ fn main() {
             });
         }
     }
-    for spec in ["phong:50", "ggx:0.2"] {
+    for spec in ["phong:50", "ward:0.2", "ggx:0.2", "ggx:0.15:0.4"] {
         let model = Procedural::Table.build(1000).expect("a size in range");
         let transport = bake(&model);
         let materials = materials(&model, [spec; 5]);

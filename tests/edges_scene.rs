@@ -377,7 +377,7 @@ impl Stage {
 
     fn blocks(&self, light: &CubeMap<Vector3<f32>>, rule: Rule) -> Result<Vec<f64>, Error> {
         let layout = BlockLayout::new(self.grid, 16, ScanOrder::Hilbert)?;
-        let transport = block_product::Transport::from_binary(&self.visibility, &layout)?;
+        let transport = block_product::Transport::from_binary(&self.visibility, &self.mesh, &layout)?;
         let settings = block_product::Settings { rule, ..block_product::Settings::default() };
         let mut relighter = block_product::Relighter::new(&self.mesh, &transport, settings)?;
         relighter.set_light(light)?;

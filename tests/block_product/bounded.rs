@@ -5,8 +5,8 @@ use haarmonic::backend::block_product::{Basis, Relighter, Rule, Settings, Transp
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    BinaryVisibility, BlinnPhong, Comparison, CookTorrance, GroundTruth, Lambert, Materials, Mesh, Phong, Procedural,
-    Sky, TexelVisibility, View, Ward,
+    BinaryVisibility, BlinnPhong, Brdf, BrdfFn, Comparison, CookTorrance, GroundTruth, Lambert, Materials, Mesh, Phong,
+    Procedural, Sky, TexelVisibility, View, Ward,
 };
 use haarmonic::sphere::CubeMap;
 use proptest::prelude::*;
@@ -160,6 +160,42 @@ fn the_default_is_better_than_45_db() {
     }
 }
 
+/// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is off.
+#[test]
+fn lobes_about_the_half_vector_are_as_good() {
+    let model = Procedural::Table.build(4000).unwrap();
+    let view = View::eye(model.camera.eye().cast()).unwrap();
+    let rgb = [0.8, 0.6, 0.4];
+    let mut lobes = Vec::new();
+    for alpha in [0.05, 0.1, 0.2, 0.4, 0.7, 1.0] {
+        lobes.push((format!("GGX {alpha}"), lobe(CookTorrance::isotropic(rgb, alpha).unwrap())));
+        lobes.push((format!("Ward {alpha}"), lobe(Ward::isotropic(rgb, alpha).unwrap())));
+    }
+    lobes.push(("GGX .2, F0 .04".into(), lobe(CookTorrance::isotropic([0.04; 3], 0.2).unwrap())));
+    for [x, y] in [[0.1, 0.4], [0.3, 0.15]] {
+        lobes.push((format!("GGX {x} {y}"), lobe(CookTorrance::new([1.0; 3], x, y).unwrap())));
+        lobes.push((format!("Ward {x} {y}"), lobe(Ward::new(rgb, x, y).unwrap())));
+    }
+    lobes.push(("Blinn–Phong 100".into(), lobe(BlinnPhong::new(rgb, 100.0).unwrap())));
+    let (names, brdfs): (Vec<_>, Vec<_>) = lobes.into_iter().unzip();
+    let materials = in_turn(&brdfs, model.mesh.positions().len());
+    let maps = baker(&model.mesh, 64).bake(&()).unwrap();
+    let transport = Transport::from_binary(&maps, &model.mesh, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
+    let light = sky(64);
+    let shot =
+        Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
+    let truth = shot.truth();
+    let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
+    for (k, name) in names.iter().enumerate() {
+        let of: (Vec<_>, Vec<_>) = truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(names.len()).unzip();
+        let psnr = Comparison::new(&of.0, &of.1).unwrap().psnr_db;
+        let worst = worst(&of.1, &of.0, 0.1 * mean(&light), &transport);
+        println!("{name}: {psnr:.1} dB, worst {worst:.3}");
+        assert!(psnr >= 45.0, "{name}: {psnr:.1} dB");
+        assert!(worst <= 0.25, "{name}: {worst} of what is allowed");
+    }
+}
+
 /// The texel that a vertex shows its viewer as a mirror does.
 fn mirrored(mesh: &Mesh, side: usize, vertex: usize) -> usize {
     let axes = Axes::new(&mesh.frame(vertex));
@@ -167,12 +203,16 @@ fn mirrored(mesh: &Mesh, side: usize, vertex: usize) -> usize {
     grid(side).nearest(&(normal * (2.0 * normal.dot(&wo)) - wo))
 }
 
+fn closure(f: impl Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64> + Send + Sync + 'static) -> impl Brdf + 'static {
+    BrdfFn::new(f)
+}
+
 proptest! {
     #![proptest_config(cases(24))]
 
     #[test]
     fn any_lobe_light_and_visibility(
-        kind in 0..4_usize,
+        kind in 0..9_usize,
         width in 0.0..1.0_f64,
         block in prop::sample::select(vec![8_usize, 16, 32]),
         light in 0..7_usize,
@@ -189,6 +229,15 @@ proptest! {
             0 => Materials::uniform(Phong::new(rgb, exponent).unwrap()),
             1 => Materials::uniform(BlinnPhong::new(rgb, exponent).unwrap()),
             2 => Materials::uniform(Ward::isotropic(rgb, alpha).unwrap()),
+            3 => Materials::uniform(Ward::new(rgb, alpha, alpha.sqrt()).unwrap()),
+            4 => Materials::uniform(CookTorrance::new(rgb, alpha.sqrt(), alpha).unwrap()),
+            5 => Materials::uniform(CookTorrance::isotropic([0.04, 0.05, 0.3], alpha).unwrap()),
+            6 => Materials::uniform(closure(move |wi, wo| {
+                let cosine = (wi.z * wo.z - wi.x * wo.x - wi.y * wo.y).max(0.0);
+                Vector3::new(0.3, 0.2, 0.1) + Vector3::repeat(0.1 * (exponent + 2.0) * cosine.powf(exponent))
+            })),
+            7 => Materials::uniform(closure(move |wi, wo| Vector3::new(
+                0.2 + 0.1 * (5.0 * wi.x + 3.0 * wo.y).sin(), wi.y * wi.y, 0.1 + 0.1 * wi.x * wo.x))),
             _ => Materials::uniform(CookTorrance::isotropic(rgb, alpha).unwrap()),
         };
         let light = match light {

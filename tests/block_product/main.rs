@@ -2,7 +2,9 @@
 #![cfg(all(feature = "block_product", feature = "reference", feature = "proptest"))]
 
 mod bounded;
+mod closures;
 mod exact;
+mod extremes;
 mod file;
 mod fixed;
 mod frames;

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
 
+use super::bounds::{Checks, Place, WideView};
 use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::live::Live;
@@ -30,6 +31,8 @@ pub(super) struct Scratch {
     samples: Samples,
     live: Vec<Live>,
     cases: Cases,
+    /// [block]: where it is in a table.
+    places: Vec<Place>,
     /// A bit a block: those that may need samples.
     near: Vec<u64>,
     room: Room,
@@ -45,6 +48,7 @@ impl Scratch {
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
             cases: Cases::new(blocks),
+            places: vec![Place::default(); blocks],
             near: vec![!0; blocks.div_ceil(64)],
             room: Room::new(layout.block_len()),
         }
@@ -125,7 +129,11 @@ impl Frame<'_, '_> {
         }
         for (i, radiance) in out.iter_mut().enumerate() {
             *radiance = match scratch.seen[i] {
-                Some(seen) => self.vertex(maps, first + i, &seen, i, scratch).cast(),
+                Some(seen) => {
+                    let sum = self.vertex(maps, first + i, &seen, i, scratch) * self.relighter.light.scale;
+                    // NaN stays.
+                    sum.map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
+                }
                 None => Vector3::zeros(),
             };
         }
@@ -170,7 +178,7 @@ impl Frame<'_, '_> {
     /// The case of each live block.
     fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Relighter { directions, arch, .. } = self.relighter;
-        let Scratch { live, cases, near, .. } = scratch;
+        let Scratch { live, cases, near, places, .. } = scratch;
         match &lobe.sampling {
             Sampling::Mirror { .. } => {
                 arch.dispatch(Near { mirror: seen.mirror, centres: &directions.centres, reach: &lobe.reach, near })
@@ -198,12 +206,14 @@ impl Frame<'_, '_> {
                 });
             }
             Sampling::Wide { bounds, .. } => {
-                let view = bounds.seen_from(self.relighter.radius, &seen.axes.to_local(&seen.wo));
-                cases.set(live, |live| {
-                    let block = live.block as usize;
-                    let centre = Vector3::from(at(&directions.centres, block)).cast();
-                    view.codes(narrow(&seen.axes.to_local(&centre))).class(&lobe.checks[block], live.free)
-                });
+                let (checks, groups) = (&lobe.checks[..], self.relighter.planner.groups());
+                match bounds.seen_from(&seen.axes, &seen.wo) {
+                    Some(view) => {
+                        let centres = &directions.centres;
+                        arch.dispatch(Classes { view, centres, groups, places, live, checks, cases });
+                    }
+                    None => cases.set(live, |_| PIXELS),
+                }
             }
         }
     }
@@ -273,7 +283,8 @@ impl LobeRun<'_, '_, '_> {
         let Relighter { light, directions, arch, .. } = self.frame.relighter;
         let first = self.vertex * light.layout().blocks();
         let (normal, cut) = (self.seen.normal, self.cut);
-        arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut })
+        let goes_on = matches!(self.frame.relighter.settings.rule, Rule::Bounded { .. });
+        arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut, goes_on })
     }
 }
 
@@ -325,6 +336,30 @@ impl pulp::WithSimd for Near<'_> {
             let cosine = dot(self.mirror, [x.1[lane], y.1[lane], z.1[lane]]);
             self.near[first / 64] |= u64::from(cosine >= reach) << ((first + lane) % 64);
         }
+    }
+}
+
+/// The cases of blocks by a table of a lobe about the half vector.
+struct Classes<'a> {
+    view: WideView<'a>,
+    centres: &'a [Vec<f32>; 3],
+    groups: &'a [u8],
+    places: &'a mut [Place],
+    live: &'a [Live],
+    checks: &'a [Checks],
+    cases: &'a mut Cases,
+}
+
+impl pulp::WithSimd for Classes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.view.find(self.centres, self.groups, self.places);
+        self.cases.set(self.live, |live| {
+            let block = live.block as usize;
+            self.view.codes(self.places[block]).class(&self.checks[block], live.free)
+        });
     }
 }
 

@@ -132,6 +132,17 @@ impl BlockLayout {
         corners.map(|[x, y]| centre.angle(&self.direction(block, x, y))).into_iter().fold(0.0, f64::max)
     }
 
+    /// The number of a block's shape among [`shapes`](Self::shapes).
+    pub(super) fn shape_of(&self, block: usize) -> usize {
+        let along = self.grid.side() / self.side;
+        let near = |at: usize| at.min(along - 1 - at);
+        let (x, y) = (near(block % along), near(block / along % along));
+        let (low, high) = (x.min(y), x.max(y));
+        // Rows of `shapes` become shorter by one each.
+        let half = along.div_ceil(2);
+        (0..low).map(|row| half - row).sum::<usize>() + high - low
+    }
+
     /// One block of every shape that there is up to the symmetries of the cube.
     pub(super) fn shapes(&self) -> Vec<usize> {
         let along = self.grid.side() / self.side;

@@ -42,9 +42,21 @@ pub struct LightForms {
     pub(super) norms: Vec<Norms>,
     /// Radiance × solid angle of a block, row after row: R, G, B.
     rows: [Vec<f64>; 3],
-    /// Σ L Ω / 4π of the brightest channel.
+    /// Σ L Ω / 4π of the brightest channel, over the scale.
     pub(super) mean: f64,
+    /// A power of two: what sums over the forms are to be multiplied with.
+    pub(super) scale: f64,
     is_dark: bool,
+}
+
+/// Lights whose largest radiance is not between these powers of two are scaled until it is: below, radiance × solid angle would be
+/// denormal; above, sums in `f32` could overflow although what comes of them fits.
+const ORDINARY: std::ops::RangeInclusive<i32> = -40..=90;
+
+/// The power of two that makes a light ordinary.
+fn scale(largest: f32) -> f64 {
+    let power = f64::from(largest).log2().floor() as i32;
+    f64::from(power.clamp(*ORDINARY.start(), *ORDINARY.end()) - power).exp2()
 }
 
 /// Nodes of all levels.
@@ -77,6 +89,7 @@ impl LightForms {
             norms: vec![Norms::default(); layout.blocks()],
             rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
+            scale: 1.0,
             is_dark: true,
             tiles: Tiles::new(layout),
             layout: layout.clone(),
@@ -114,7 +127,12 @@ impl LightForms {
         weights + size_of_val(&self.texels[..]) + size_of_val(&self.nodes[..]) + moments
     }
 
-    /// Weights of the 1, 4 and 16 samples of a block, of one channel.
+    /// What all forms are to be multiplied with: 1, or a power of two if the light's largest radiance is below 2⁻⁴⁰ or above 2⁹⁰.
+    pub fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    /// Weights of the 1, 4 and 16 samples of a block, of one channel, over [`scale`](Self::scale).
     ///
     /// # Panics
     /// If `channel` > 2 or `block` is out of range.
@@ -124,7 +142,7 @@ impl LightForms {
 
     /// Sets the light, radiance in linear RGB; a light that is refused leaves the one before.
     ///
-    /// Sums are taken in `f64` and rounded once.
+    /// Sums are taken in `f64` and rounded once. Any finite light will do: see [`scale`](Self::scale).
     ///
     /// # Errors
     /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite.
@@ -136,9 +154,12 @@ impl LightForms {
         if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
             return Err(Error::NotFinite { what: "texel of the light", index });
         }
+        let largest = light.texels().iter().map(|texel| texel.amax()).fold(0.0, f32::max);
+        let scale = if largest > 0.0 { scale(largest) } else { 1.0 };
+        self.scale = 1.0 / scale;
         let mut total = [0.0; 3];
         for block in 0..self.layout.blocks() {
-            self.set_rows(block, light.texels());
+            self.set_rows(block, light.texels(), scale);
             self.set_texels(block);
             for path in 0..2 {
                 self.set_moments(block, path);
@@ -154,18 +175,17 @@ impl LightForms {
     }
 
     /// Radiance × solid angle of a block, and its norms.
-    fn set_rows(&mut self, block: usize, light: &[Vector3<f32>]) {
+    fn set_rows(&mut self, block: usize, light: &[Vector3<f32>], scale: f64) {
         let len = self.layout.block_len();
         let [r, g, b] = &mut self.rows;
-        let mut peak = 0.0_f32;
+        let mut peak = 0.0_f64;
         let texels = self.texel[block * len..].iter().zip(&self.omega[block * len..]);
         for (((&texel, [solid, ..]), r), (g, b)) in texels.zip(r).zip(g.iter_mut().zip(b)) {
-            let radiance = light[texel as usize];
-            (*r, *g, *b) =
-                (f64::from(radiance.x) * solid, f64::from(radiance.y) * solid, f64::from(radiance.z) * solid);
+            let radiance = light[texel as usize].cast::<f64>() * scale;
+            (*r, *g, *b) = (radiance.x * solid, radiance.y * solid, radiance.z * solid);
             peak = peak.max(radiance.amax());
         }
-        let norms = self.rows.iter().map(|row| Norms::new(row, f64::from(peak)));
+        let norms = self.rows.iter().map(|row| Norms::new(row, peak));
         self.norms[block] = norms.fold(Norms::default(), Norms::larger);
     }
 

@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, WideBounds, offset};
+use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, Symmetry, WideBounds, WideNodes, local_axes, offset};
 use super::rule::Rule;
 use super::tables::Radii;
-use crate::scene::{BRDF_VALUE, BlinnPhong, Brdf, CookTorrance, Phong, Structure, Ward};
+use crate::scene::{BRDF_VALUE, BlinnPhong, Brdf, CookTorrance, Eval, Phong, Reflectance, Structure, Ward};
 use crate::{Error, Result};
 
 /// A material as a frame uses it.
@@ -99,7 +99,8 @@ pub(super) struct Planner {
     plans: Vec<Plan>,
     edges: HashMap<i32, Arc<Vec<Errors>>>,
     mirror: HashMap<i32, Arc<MirrorBounds>>,
-    wide: HashMap<(Kind, [i32; 2]), Arc<WideBounds>>,
+    nodes: HashMap<(Kind, Corner), Arc<WideNodes>>,
+    wide: HashMap<(Kind, Parameters), Arc<WideBounds>>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -112,8 +113,13 @@ enum Kind {
 impl Planner {
     pub(super) fn new(gauge: Gauge, rule: Rule) -> Self {
         let (brdfs, plans) = (Vec::new(), Vec::new());
-        let (edges, mirror, wide) = (HashMap::new(), HashMap::new(), HashMap::new());
-        Self { gauge, rule, brdfs, plans, edges, mirror, wide }
+        let (edges, mirror, nodes, wide) = (HashMap::new(), HashMap::new(), HashMap::new(), HashMap::new());
+        Self { gauge, rule, brdfs, plans, edges, mirror, nodes, wide }
+    }
+
+    /// [block]: the group of its shape.
+    pub(super) fn groups(&self) -> &[u8] {
+        self.gauge.groups()
     }
 
     pub(super) fn plans(&self) -> &[Plan] {
@@ -188,21 +194,23 @@ impl Planner {
                     exponent: phong.exponent(),
                 },
                 Model::Other(brdf) => {
-                    let bounds = Arc::new(WideBounds::new(&self.gauge, brdf.as_ref(), brdf.is_isotropic()));
-                    Sampling::Wide { bounds, offset: offset(weight) }
+                    let (axes, brdf) = (local_axes(), brdf.as_ref());
+                    let symmetry = if is_isotropic(brdf) { Symmetry::Turned } else { Symmetry::None };
+                    let nodes = WideNodes::measure(&self.gauge, symmetry, |wo| Eval { brdf, axes: &axes, wo: *wo });
+                    Sampling::Wide { bounds: Arc::new(WideBounds::new(&nodes)), offset: offset(weight) }
                 }
                 Model::BlinnPhong(phong) => {
-                    let at = exponent_index(phong.exponent());
-                    let bounds = self.wide(Kind::BlinnPhong, [at, at])?;
-                    Sampling::Wide { bounds, offset: offset(weight * phong.albedo().max()) }
+                    let bounds = self.wide(Kind::BlinnPhong, Parameters::exponent(phong.exponent()))?;
+                    Sampling::Wide { bounds, offset: offset(factor) }
                 }
                 Model::Ward(ward) => {
-                    let bounds = self.wide(Kind::Ward, ward.alpha().map(alpha_index))?;
-                    Sampling::Wide { bounds, offset: offset(weight * ward.albedo().max()) }
+                    let bounds = self.wide(Kind::Ward, Parameters::roughness(ward.alpha()))?;
+                    Sampling::Wide { bounds, offset: offset(factor) }
                 }
                 Model::CookTorrance(ggx) => {
-                    let bounds = self.wide(Kind::CookTorrance, ggx.alpha().map(alpha_index))?;
-                    Sampling::Wide { bounds, offset: offset(weight) }
+                    let parameters = Parameters::roughness(ggx.alpha()).reflecting(&ggx.f0());
+                    let bounds = self.wide(Kind::CookTorrance, parameters)?;
+                    Sampling::Wide { bounds, offset: offset(factor) }
                 }
             }),
         }
@@ -225,34 +233,55 @@ impl Planner {
     }
 
     /// The same for a lobe about the half vector, over the corners of a cell of its parameters.
-    fn wide(&mut self, kind: Kind, at: [i32; 2]) -> Result<Arc<WideBounds>> {
-        if let Some(bounds) = self.wide.get(&(kind, at)) {
+    fn wide(&mut self, kind: Kind, cell: Parameters) -> Result<Arc<WideBounds>> {
+        if let Some(bounds) = self.wide.get(&(kind, cell)) {
             return Ok(Arc::clone(bounds));
         }
-        let ends = if at[0] == at[1] { vec![at, at.map(|i| i + 1)] } else { corners(at) };
-        let mut all: Option<WideBounds> = None;
-        for [u, v] in ends {
-            let (ax, ay) = (alpha_at(u), alpha_at(v));
-            let white = Vector3::repeat(1.0);
-            let models: Vec<Box<dyn Brdf>> = match kind {
-                Kind::BlinnPhong => vec![Box::new(BlinnPhong::new(white, exponent_at(u))?)],
-                Kind::Ward => vec![Box::new(Ward::new(white, ax, ay)?)],
-                // A reflectance between 0 and 1 lies between these two.
-                Kind::CookTorrance => {
-                    vec![Box::new(CookTorrance::new(white, ax, ay)?), Box::new(CookTorrance::new([0.0; 3], ax, ay)?)]
-                }
-            };
-            for model in models {
-                let bounds = WideBounds::new(&self.gauge, model.as_ref(), at[0] == at[1]);
-                all = Some(match all {
-                    Some(all) => all.worse(&bounds),
-                    None => bounds,
-                });
-            }
+        let mut all: Option<WideNodes> = None;
+        for corner in cell.corners() {
+            let nodes = self.nodes(kind, corner)?;
+            all = Some(match all {
+                Some(all) => all.worse(&nodes),
+                None => WideNodes::clone(&nodes),
+            });
         }
-        let bounds = Arc::new(all.expect("a cell has corners"));
-        self.wide.insert((kind, at), Arc::clone(&bounds));
+        let bounds = Arc::new(WideBounds::new(&all.expect("a cell has corners")));
+        self.wide.insert((kind, cell), Arc::clone(&bounds));
         Ok(bounds)
+    }
+
+    /// Errors at a corner; kept only if they are few.
+    fn nodes(&mut self, kind: Kind, corner: Corner) -> Result<Arc<WideNodes>> {
+        if let Some(nodes) = self.nodes.get(&(kind, corner)) {
+            return Ok(Arc::clone(nodes));
+        }
+        let Corner { across: [u, v], f0, steps } = corner;
+        let (symmetry, axes, gauge) =
+            (if u == v { Symmetry::Turned } else { Symmetry::Mirrored }, local_axes(), &self.gauge);
+        let white = Vector3::repeat(1.0);
+        const ABOVE: &str = "tables have no viewer at or below the horizon";
+        let nodes = match kind {
+            Kind::BlinnPhong => {
+                let model = BlinnPhong::new(white, exponent_at(u))?;
+                WideNodes::measure(gauge, symmetry, |wo| model.kernel(&axes, wo).expect(ABOVE))
+            }
+            Kind::Ward => {
+                let model = Ward::new(white, alpha_at(u, steps), alpha_at(v, steps))?;
+                WideNodes::measure(gauge, symmetry, |wo| model.kernel(&axes, wo).expect(ABOVE))
+            }
+            Kind::CookTorrance => {
+                let model = CookTorrance::new([f0_at(f0); 3], alpha_at(u, steps), alpha_at(v, steps))?;
+                WideNodes::measure(gauge, symmetry, |wo| match model.facets(&axes, wo).expect(ABOVE) {
+                    Reflectance::Grey(kernel) => kernel,
+                    Reflectance::Coloured(_) => unreachable!("three equal channels are grey"),
+                })
+            }
+        };
+        let nodes = Arc::new(nodes);
+        if symmetry == Symmetry::Turned {
+            self.nodes.insert((kind, corner), Arc::clone(&nodes));
+        }
+        Ok(nodes)
     }
 }
 
@@ -273,8 +302,90 @@ fn is_finite(brdf: &dyn Brdf) -> bool {
     rings(4, 7).all(|wo| rings(10, 15).all(|wi| brdf.eval(&wi, &wo).iter().all(|c| c.is_finite())))
 }
 
-fn corners([u, v]: [i32; 2]) -> Vec<[i32; 2]> {
-    vec![[u, v], [u + 1, v], [u, v + 1], [u + 1, v + 1]]
+/// A cell of the parameters of lobes about the half vector.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Parameters {
+    /// Exponents or roughnesses.
+    lowest: [i32; 2],
+    highest: [i32; 2],
+    /// Reflectances at normal incidence: of the channels' least and largest.
+    f0: [i32; 2],
+    /// Of the grid of roughnesses, per octave.
+    steps: i32,
+}
+
+/// A corner of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Corner {
+    across: [i32; 2],
+    f0: i32,
+    steps: i32,
+}
+
+impl Parameters {
+    fn exponent(exponent: f64) -> Self {
+        let at = exponent_index(exponent);
+        Self { lowest: [at; 2], highest: [at + 1; 2], f0: [0; 2], steps: 0 }
+    }
+
+    /// Eighths of an octave if isotropic, quarters if not.
+    fn roughness(alpha: [f64; 2]) -> Self {
+        let steps = if alpha[0] == alpha[1] { 8 } else { 4 };
+        let end = |round: fn(f64) -> f64| alpha.map(|alpha| round(alpha.log2() * f64::from(steps)) as i32);
+        Self { lowest: end(f64::floor), highest: end(f64::ceil), f0: [0; 2], steps }
+    }
+
+    /// The lobe is linear in the reflectance at normal incidence, so that a norm of its error is largest at an end.
+    fn reflecting(self, f0: &Vector3<f64>) -> Self {
+        Self { f0: [f0_index(f0.min(), f64::floor), f0_index(f0.max(), f64::ceil)], ..self }
+    }
+
+    fn corners(self) -> Vec<Corner> {
+        let Self { lowest, highest, steps, .. } = self;
+        let mut across: Vec<[i32; 2]> = if lowest[0] == lowest[1] && highest[0] == highest[1] && steps != 4 {
+            vec![lowest, highest]
+        } else {
+            [lowest[0], highest[0]].iter().flat_map(|&u| [[u, lowest[1]], [u, highest[1]]]).collect()
+        };
+        let mut f0 = self.f0.to_vec();
+        across.sort_unstable();
+        across.dedup();
+        f0.dedup();
+        across.iter().flat_map(|&across| f0.iter().map(move |&f0| Corner { across, f0, steps })).collect()
+    }
+}
+
+/// Reflectances 0, 2⁻⁸, … 2^(−1/2), 1.
+fn f0_at(index: i32) -> f64 {
+    if index < LEAST_F0 { 0.0 } else { (f64::from(index) / 2.0).exp2() }
+}
+
+fn f0_index(f0: f64, round: fn(f64) -> f64) -> i32 {
+    (round(f0.log2() * 2.0)).max(f64::from(LEAST_F0 - 1)) as i32
+}
+
+const LEAST_F0: i32 = -16;
+
+/// Whether a BRDF says that it is isotropic, or is so wherever it is looked at: a closure says nothing.
+fn is_isotropic(brdf: &dyn Brdf) -> bool {
+    const PAIRS: usize = 2048;
+    let direction = |i: usize| {
+        // Points of the golden spiral, of equal solid angle each.
+        let (z, azimuth) = ((i % PAIRS) as f64 + 0.5, i as f64 * 2.399_963_229_728_653);
+        let z = 1.0 - z / PAIRS as f64;
+        let flat = (1.0 - z * z).sqrt();
+        Vector3::new(flat * azimuth.cos(), flat * azimuth.sin(), z)
+    };
+    let is_same = |i: usize| {
+        let (wi, wo) = (direction(i), direction(i * 1_237 + 511));
+        let (s, c) = (1.0 + i as f64).sin_cos();
+        let turned = |d: &Vector3<f64>| Vector3::new(c * d.x - s * d.y, s * d.x + c * d.y, d.z);
+        let mirrored = |d: &Vector3<f64>| Vector3::new(d.x, -d.y, d.z);
+        let value = brdf.eval(&wi, &wo);
+        let is_near = |other: Vector3<f64>| (other - value).amax() <= 1e-9 * value.amax();
+        is_near(brdf.eval(&turned(&wi), &turned(&wo))) && is_near(brdf.eval(&mirrored(&wi), &mirrored(&wo)))
+    };
+    brdf.is_isotropic() || (0..PAIRS).all(is_same)
 }
 
 /// Exponents 0, 1/8, …, 1, 2^(1/8), 2^(2/8), ….
@@ -286,13 +397,9 @@ fn exponent_index(exponent: f64) -> i32 {
     if exponent < 1.0 { (exponent * 8.0) as i32 } else { 8 + (exponent.log2() * 8.0).floor() as i32 }
 }
 
-/// Roughnesses 2^(k/4) in [1e-4, 1].
-fn alpha_at(index: i32) -> f64 {
-    (f64::from(index) / 4.0).exp2().clamp(1e-4, 1.0)
-}
-
-fn alpha_index(alpha: f64) -> i32 {
-    (alpha.log2() * 4.0).floor() as i32
+/// Roughnesses 2^(k/steps) in [1e-4, 1].
+fn alpha_at(index: i32, steps: i32) -> f64 {
+    (f64::from(index) / f64::from(steps)).exp2().clamp(1e-4, 1.0)
 }
 
 /// The exponent of a Phong lobe about as wide, for the fixed rule; None: as smooth as a cosine.

@@ -66,6 +66,8 @@ pub(super) struct LobeSum<'a, const N: usize, K, V> {
     pub(super) samples: &'a mut Samples,
     pub(super) room: &'a mut Room,
     pub(super) cut: Option<Cut<'a>>,
+    /// Whether samples below the horizon are what goes on smoothly, not 0.
+    pub(super) goes_on: bool,
 }
 
 impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N, K, V> {
@@ -74,12 +76,18 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(mut self, _: S) -> [f64; 3] {
         let (mut total, cases) = ([0.0; 3], self.cases);
-        self.each(cases.list(Case::Free1), &mut total, |sum, block| sum.coefficients::<1>(block, 0));
-        self.each(cases.list(Case::Free4), &mut total, |sum, block| sum.coefficients::<4>(block, 1));
-        self.each(cases.list(Case::Free16), &mut total, |sum, block| sum.coefficients::<16>(block, 5));
-        self.each(cases.list(Case::Partly1), &mut total, |sum, course| sum.sums(course, true));
-        self.each(cases.list(Case::Partly4), &mut total, |sum, course| sum.sums(course, false));
-        add(&mut total, self.samples.drain(self.kernel, self.normal));
+        if K::APART && self.goes_on {
+            self.each(cases.list(Case::Free1), &mut total, true, Self::cosines_of_free);
+            self.each(cases.list(Case::Partly1), &mut total, true, Self::cosines_of_partly);
+            self.drain(&mut total, true);
+        } else {
+            self.each(cases.list(Case::Free1), &mut total, false, |sum, block| sum.coefficients::<1>(block, 0));
+            self.each(cases.list(Case::Partly1), &mut total, false, |sum, course| sum.sums(course, true));
+        }
+        self.each(cases.list(Case::Free4), &mut total, false, |sum, block| sum.coefficients::<4>(block, 1));
+        self.each(cases.list(Case::Free16), &mut total, false, |sum, block| sum.coefficients::<16>(block, 5));
+        self.each(cases.list(Case::Partly4), &mut total, false, |sum, course| sum.sums(course, false));
+        self.drain(&mut total, false);
         for (case, free) in [(Case::FreePixels, true), (Case::PartlyPixels, false)] {
             for &course in cases.list(case) {
                 self.pixels(course as usize, free, &mut total);
@@ -92,13 +100,50 @@ impl<const N: usize, K: Kernel<N>, V: Visible> pulp::WithSimd for LobeSum<'_, N,
 impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     /// Collects samples of blocks, and sums them up when the list is full.
     #[inline(always)]
-    fn each(&mut self, courses: &[u32], total: &mut [f64; 3], collect: impl Fn(&mut Self, usize)) {
+    fn each(&mut self, courses: &[u32], total: &mut [f64; 3], apart: bool, collect: impl Fn(&mut Self, usize)) {
         for &course in courses {
             if !self.samples.has_room(16) {
-                add(total, self.samples.drain(self.kernel, self.normal));
+                self.drain(total, apart);
             }
             collect(self, course as usize);
         }
+    }
+
+    /// Sums the list up: of reflectance alone if weights hold the cosine.
+    #[inline(always)]
+    fn drain(&mut self, total: &mut [f64; 3], apart: bool) {
+        let sum = if apart {
+            self.samples.drain(Apart(self.kernel), self.normal)
+        } else if self.goes_on && !K::SMOOTH {
+            self.samples.drain(Continued(self.kernel), self.normal)
+        } else {
+            self.samples.drain(self.kernel, self.normal)
+        };
+        add(total, sum);
+    }
+
+    /// One sample of the reflectance of a free block, weighted with its light × cosine: exact for one that is constant.
+    #[inline(always)]
+    fn cosines_of_free(&mut self, block: usize) {
+        let at = block * self.light.layout().block_len();
+        let sums = MomentSums { eight: self.light.moments[at], ninth: self.light.ninths[at] };
+        self.push_cosines(block, &sums);
+    }
+
+    /// The same for what is not hidden of a block.
+    #[inline(always)]
+    fn cosines_of_partly(&mut self, course: usize) {
+        let (block, len) = (self.block(course), self.light.layout().block_len());
+        let (eights, ninths) = (&self.light.moments[course * len..][..len], &self.light.ninths[course * len..][..len]);
+        let sums = self.maps.moments(self.first + block, MomentTable { eights, ninths });
+        self.push_cosines(block, &sums);
+    }
+
+    #[inline(always)]
+    fn push_cosines(&mut self, block: usize, sums: &MomentSums) {
+        let [r, g, b] = sums.along(self.normal.map(f64::from)).map(|x| [x as f32]);
+        let [x, y, z] = self.directions.nodes.each_ref().map(|plane| [plane[block * NODES]]);
+        self.samples.push([&x, &y, &z, &r, &g, &b]);
     }
 
     /// The block of a course.
@@ -164,6 +209,42 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
             sums.add(&values, [&texels[0], &texels[1], &texels[2]]);
         }
         add(total, sums.total());
+    }
+}
+
+/// A kernel as it goes on below the horizon.
+#[derive(Clone, Copy)]
+struct Continued<K>(K);
+
+impl<const N: usize, K: Kernel<N>> Kernel<N> for Continued<K> {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
+        self.0.continued(d, z)
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
+        self.0.continued(d, z)
+    }
+}
+
+/// A kernel without its cosine.
+#[derive(Clone, Copy)]
+struct Apart<K>(K);
+
+impl<const N: usize, K: Kernel<N>> Kernel<N> for Apart<K> {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
+        self.0.apart(d, z)
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
+        self.0.apart(d, z)
     }
 }
 

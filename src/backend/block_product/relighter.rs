@@ -46,7 +46,6 @@ pub struct Relighter<'a> {
     pub(super) planner: Planner,
     /// [block]
     limits: Vec<Limits>,
-    pub(super) radius: f64,
     pub(super) scratch: Vec<Scratch>,
     pub(super) needed: Vec<bool>,
     scheduled: Scheduled<'a>,
@@ -106,7 +105,6 @@ impl<'a> Relighter<'a> {
         let layout = transport.layout();
         let light = LightForms::new(layout, settings.basis)?;
         let gauge = Gauge::new(layout, light.interpolation());
-        let radius = gauge.radius();
         let directions = Directions::new(layout, light.tiles(), light.interpolation());
         Ok(Self {
             mesh,
@@ -114,7 +112,6 @@ impl<'a> Relighter<'a> {
             directions,
             planner: Planner::new(gauge, settings.rule),
             limits: vec![Limits::default(); layout.blocks()],
-            radius,
             // Not clones: these would have no room.
             scratch: (0..pieces()).map(|_| Scratch::new(layout)).collect(),
             needed: Vec::new(),
@@ -154,7 +151,8 @@ impl<'a> Relighter<'a> {
         &self.light
     }
 
-    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black.
+    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black; radiance beyond
+    /// [`f32::MAX`] is held there.
     ///
     /// Materials that were not in the last frame cost their tables of errors first: tens of milliseconds for each new
     /// exponent or isotropic lobe about the half vector, seconds for an anisotropic one.

@@ -1,6 +1,6 @@
 //! What the products read of coded maps.
 
-use super::suffix::{NodeSums, Table};
+use super::suffix::{Lanes, MomentSums, MomentTable, NodeSums, Table};
 use super::tiles::{GROUP, TilePath};
 use crate::compress::{BinaryMaps, GrayMaps, MapIndex, MapState};
 
@@ -108,6 +108,8 @@ pub(super) trait Visible: Sync {
     fn add_changes<T: Table>(&self, changes: &[Self::Change], sums: T, sum: &mut T::Sum);
     /// Σ V L of a map, from suffix sums of L.
     fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums;
+    /// The same from suffix sums of L ω.
+    fn moments(&self, map: usize, sums: MomentTable<'_, [Lanes], [f32]>) -> MomentSums;
     /// Puts the visibility of every slot into `room`; returns the groups where some is visible.
     fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits;
     /// The visibility of a group of the map that was expanded last.
@@ -153,6 +155,13 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
             Some(sums) if I::LONGEST == 256 => self.add_changes(changes, sums, &mut sum),
             _ => self.add_changes(changes, sums, &mut sum),
         }
+        sum
+    }
+
+    #[inline(always)]
+    fn moments(&self, map: usize, sums: MomentTable<'_, [Lanes], [f32]>) -> MomentSums {
+        let mut sum = MomentSums::default();
+        self.add_changes(self.map(map).changes(), sums, &mut sum);
         sum
     }
 
@@ -229,6 +238,16 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums {
         let scale = 1.0 / f32::from(self.top());
         let mut total = [0.0; 12];
+        for (place, difference) in self.map(map).differences() {
+            sums.step(&mut total, place, f32::from(difference) * scale);
+        }
+        total
+    }
+
+    #[inline(always)]
+    fn moments(&self, map: usize, sums: MomentTable<'_, [Lanes], [f32]>) -> MomentSums {
+        let scale = 1.0 / f32::from(self.top());
+        let mut total = MomentSums::default();
         for (place, difference) in self.map(map).differences() {
             sums.step(&mut total, place, f32::from(difference) * scale);
         }

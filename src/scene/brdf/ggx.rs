@@ -144,21 +144,21 @@ struct Facets {
 }
 
 impl Facets {
-    /// D G₂/(4 cos θ_i cos θ_o) z without its constants, and Schlick's (1 − wo·h)⁵.
+    /// D G₂/(4 cos θ_i cos θ_o) at cosine `up` times `z`, without its constants, and Schlick's (1 − wo·h)⁵.
     #[inline(always)]
-    fn parts(&self, d: [f32; 3], z: f32) -> (f32, f32) {
-        let h = self.local.half(d, z);
+    fn parts(&self, d: [f32; 3], up: f32, z: f32) -> (f32, f32) {
+        let h = self.local.half(d, up);
         let wo = self.local.wo;
         let wi = [h[0] - wo[0], h[1] - wo[1]];
         let length2 = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
         let (sx, sy) = (h[0] * self.inverse[0], h[1] * self.inverse[1]);
         let ratio = length2 / (sx * sx + sy * sy + h[2] * h[2]);
-        let lambda = (self.alpha2[0] * wi[0] * wi[0] + self.alpha2[1] * wi[1] * wi[1] + z * z).sqrt();
+        let lambda = (self.alpha2[0] * wi[0] * wi[0] + self.alpha2[1] * wi[1] * wi[1] + up * up).sqrt();
         // wo·h/|h| = |h|/2 for unit wi, wo.
         let rest = 1.0 - 0.5 * length2.sqrt();
         let rest2 = rest * rest;
         // The bound is reached by denormal cosines only.
-        let denominator = (wo[2] * lambda + z * self.lambda).max(f32::MIN_POSITIVE);
+        let denominator = (wo[2] * lambda + up * self.lambda).max(f32::MIN_POSITIVE);
         (ratio * ratio * z / denominator, rest2 * rest2 * rest)
     }
 }
@@ -176,11 +176,23 @@ pub(crate) struct Grey {
     f0: f32,
 }
 
+impl Grey {
+    #[inline(always)]
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; 1] {
+        let (value, grazing) = self.facets.parts(d, up, z);
+        [value * (self.f0 + (1.0 - self.f0) * grazing)]
+    }
+}
+
 impl Kernel<1> for Grey {
     #[inline(always)]
     fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        let (value, grazing) = self.facets.parts(d, z);
-        [value * (self.f0 + (1.0 - self.f0) * grazing)]
+        self.at(d, z, z)
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        self.at(d, kernel::above(z), z)
     }
 }
 
@@ -190,10 +202,22 @@ pub(crate) struct Coloured {
     f0: [f32; 3],
 }
 
+impl Coloured {
+    #[inline(always)]
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; 3] {
+        let (value, grazing) = self.facets.parts(d, up, z);
+        self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
+    }
+}
+
 impl Kernel<3> for Coloured {
     #[inline(always)]
     fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
-        let (value, grazing) = self.facets.parts(d, z);
-        self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
+        self.at(d, z, z)
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 3] {
+        self.at(d, kernel::above(z), z)
     }
 }

@@ -10,17 +10,32 @@ use crate::sphere::Face;
 
 /// N values (1 = the scalar s, 3 = RGB) of f · cos θ_i for one direction.
 ///
-/// `d` is the direction in world coordinates, `z` = n·d its cosine. The values for z ≤ 0 are thrown away; they may be
+/// `d` is the direction in world coordinates, `z` = n·d its cosine. Values for z ≤ 0 are thrown away; they may be
 /// anything.
 pub(crate) trait Kernel<const N: usize>: Copy {
     /// Whether values for z ≤ 0 go on as smoothly as above.
     const SMOOTH: bool = false;
+    /// Whether a reflectance that is nearly constant is to be told apart from the cosine; see [`apart`](Self::apart).
+    const APART: bool = false;
     fn value(&self, d: [f32; 3], z: f32) -> [f32; N];
+    /// The same for z > 0; below the horizon z times the reflectance at it, so that neither value nor slope jumps: what lies
+    /// between samples on both sides is smooth where it counts.
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N];
+    /// f without the cosine, at the horizon for what is below it.
+    fn apart(&self, d: [f32; 3], z: f32) -> [f32; N] {
+        self.continued(d, z)
+    }
 }
 
 #[inline(always)]
 pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// z, or 0 below the horizon: one instruction, as NaN does not matter.
+#[inline(always)]
+pub(super) fn above(z: f32) -> f32 {
+    if z > 0.0 { z } else { 0.0 }
 }
 
 pub(crate) fn narrow(v: &Vector3<f64>) -> [f32; 3] {
@@ -259,7 +274,18 @@ pub(crate) struct Eval<'a> {
     pub(crate) wo: Vector3<f64>,
 }
 
+impl Eval<'_> {
+    fn reflectance(&self, d: [f32; 3]) -> (Vector3<f64>, f64) {
+        let wi = self.axes.to_local(&Vector3::from(d).cast());
+        // What the closure is asked for lies above the horizon.
+        let lifted = if wi.z > 0.0 { wi } else { Vector3::new(wi.x, wi.y, 1e-6).normalize() };
+        (self.brdf.eval(&lifted, &self.wo), wi.z)
+    }
+}
+
 impl Kernel<3> for Eval<'_> {
+    const APART: bool = true;
+
     #[inline(always)]
     fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
         if z <= 0.0 {
@@ -267,6 +293,15 @@ impl Kernel<3> for Eval<'_> {
         }
         let wi = self.axes.to_local(&Vector3::from(d).cast());
         narrow(&(self.brdf.eval(&wi, &self.wo) * wi.z))
+    }
+
+    fn continued(&self, d: [f32; 3], _: f32) -> [f32; 3] {
+        let (f, z) = self.reflectance(d);
+        narrow(&(f * z))
+    }
+
+    fn apart(&self, d: [f32; 3], _: f32) -> [f32; 3] {
+        narrow(&self.reflectance(d).0)
     }
 }
 
@@ -280,6 +315,11 @@ impl Kernel<1> for Cosine {
     #[inline(always)]
     fn value(&self, _: [f32; 3], z: f32) -> [f32; 1] {
         [z]
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        self.value(d, z)
     }
 }
 

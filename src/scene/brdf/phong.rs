@@ -118,6 +118,11 @@ impl Kernel<1> for MirrorLobe {
         let lobe = exp2(self.exponent * log2_1p(-q));
         [if q < 1.0 { lobe * z } else { 0.0 }]
     }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        self.value(d, z)
+    }
 }
 
 /// The normalised Blinn–Phong lobe about the half vector.
@@ -212,11 +217,24 @@ pub(crate) struct HalfLobe {
     half_exponent: f32,
 }
 
+impl HalfLobe {
+    /// The lobe at cosine `up` times `z`.
+    #[inline(always)]
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> f32 {
+        let h = self.local.half(d, up);
+        let tan2 = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]);
+        exp2(self.half_exponent * log2_1p(tan2)) * z
+    }
+}
+
 impl Kernel<1> for HalfLobe {
     #[inline(always)]
     fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        let h = self.local.half(d, z);
-        let tan2 = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]);
-        [exp2(self.half_exponent * log2_1p(tan2)) * z]
+        [self.at(d, z, z)]
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        [self.at(d, kernel::above(z), z)]
     }
 }

@@ -123,15 +123,28 @@ pub(crate) struct Gauss {
     inverse: [f32; 2],
 }
 
-impl Kernel<1> for Gauss {
+impl Gauss {
+    /// The lobe at cosine `up` times `z`.
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        let h = self.local.half(d, z);
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> f32 {
+        let h = self.local.half(d, up);
         let inverse_z = 1.0 / h[2];
         let (sx, sy) = (h[0] * inverse_z, h[1] * inverse_z);
         let (ax, ay) = (sx * self.inverse[0], sy * self.inverse[1]);
         let gauss = exp2(-(ax * ax + ay * ay));
         // In this order: neither factor overflows where the Gaussian is not zero.
-        [(gauss * (1.0 + sx * sx + sy * sy)) * (inverse_z * inverse_z) * z]
+        (gauss * (1.0 + sx * sx + sy * sy)) * (inverse_z * inverse_z) * z
+    }
+}
+
+impl Kernel<1> for Gauss {
+    #[inline(always)]
+    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        [self.at(d, z, z)]
+    }
+
+    #[inline(always)]
+    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+        [self.at(d, kernel::above(z), z)]
     }
 }

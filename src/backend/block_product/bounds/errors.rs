@@ -53,6 +53,35 @@ impl Codes {
         Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
     }
 
+    /// Of errors as they are.
+    #[cfg(test)]
+    pub(super) fn exactly(errors: Errors) -> Self {
+        let codes = |errors: [f64; 4]| Four::new(errors.map(code));
+        Self { rms: codes(errors.rms), bias: codes(errors.bias), mean: codes(errors.mean) }
+    }
+
+    #[cfg(test)]
+    pub(super) fn all(&self) -> [u8; 12] {
+        std::array::from_fn(|k| ([self.rms, self.bias, self.mean][k / 4].0 >> (16 * (k % 4))) as u8)
+    }
+
+    /// Of codes that are there: rms, bias, mean.
+    pub(super) fn of(codes: &[[u8; 4]; 3]) -> Self {
+        let [rms, bias, mean] = codes.map(Four::new);
+        Self { rms, bias, mean }
+    }
+
+    /// What lies between four, rounded up; the weights add up to 256.
+    #[inline(always)]
+    pub(super) fn between(four: [&Self; 4], weights: [u64; 4]) -> Self {
+        let [a, b, c, d] = four;
+        Self {
+            rms: Four::between([a.rms, b.rms, c.rms, d.rms], weights),
+            bias: Four::between([a.bias, b.bias, c.bias, d.bias], weights),
+            mean: Four::between([a.mean, b.mean, c.mean, d.mean], weights),
+        }
+    }
+
     pub(super) fn worse(self, other: Self) -> Self {
         Self { rms: self.rms.larger(other.rms), bias: self.bias.larger(other.bias), mean: self.mean.larger(other.mean) }
     }
@@ -74,6 +103,14 @@ struct Four(u64);
 impl Four {
     fn new(codes: [u8; 4]) -> Self {
         Self(codes.iter().rev().fold(0, |four, &code| four << 16 | u64::from(code)))
+    }
+
+    /// All four at once: sixteen bits hold 255 · 256 and what rounds it up.
+    #[inline(always)]
+    fn between([a, b, c, d]: [Self; 4], weights: [u64; 4]) -> Self {
+        const LOW: u64 = 0x00ff_00ff_00ff_00ff;
+        let sum = a.0 * weights[0] + b.0 * weights[1] + c.0 * weights[2] + d.0 * weights[3] + LOW;
+        Self(sum >> 8 & LOW)
     }
 
     fn larger(self, other: Self) -> Self {
@@ -222,7 +259,7 @@ impl Norms {
 
 /// Above every threshold.
 const NEVER: u8 = u8::MAX;
-const STEPS: f64 = 8.0;
+pub(super) const STEPS: f64 = 8.0;
 const ZERO: f64 = 200.0;
 
 /// Rounded up: an error is never less than its code says.
@@ -232,6 +269,18 @@ fn code(error: f64) -> u8 {
         e if e < f64::INFINITY => (ZERO + STEPS * e.log2()).ceil().clamp(1.0, f64::from(NEVER)) as u8,
         _ => NEVER,
     }
+}
+
+/// [`code`] from the bits of a number, but at least 1: eight per octave, so that the mantissa says how many of seven roots are passed.
+pub(super) fn quick_code(error: f32) -> u8 {
+    const MANTISSA: u32 = (1 << 23) - 1;
+    // ⌊2²³ (2^(k/8) − 1)⌋, k = 0…7.
+    const ROOTS: [u32; 8] = [0, 759_233, 1_587_184, 2_490_070, 3_474_675, 4_548_394, 5_719_292, 6_996_166];
+    let bits = error.to_bits();
+    let octave = (bits >> 23) as i32 - 127;
+    let passed = ROOTS.iter().map(|&root| i32::from(bits & MANTISSA > root)).sum::<i32>();
+    // Infinity and NaN are of the highest octave.
+    (ZERO as i32 + STEPS as i32 * octave + passed).clamp(1, i32::from(NEVER)) as u8
 }
 
 /// The code of the largest error that is allowed, rounded down; to be lessened by [`offset`]s.

@@ -2,9 +2,13 @@
 
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use super::errors::{Errors, spread};
-use crate::backend::block_product::interpolation::Interpolation;
+use super::errors::{Errors, quick_code as code, spread};
+use super::lanes::{Lanes, Sums};
+use super::wide::Entry;
+use crate::backend::block_product::interpolation::{Interpolation, Level};
 use crate::backend::block_product::layout::BlockLayout;
+use crate::backend::block_product::light::NODES;
+use crate::backend::block_product::tiles::{Eight, GROUP};
 
 /// A block's directions where an error is measured, about its centre on +z.
 #[derive(Debug, Clone)]
@@ -13,6 +17,59 @@ pub(super) struct Shape {
     pixels: Vec<(Vector3<f64>, usize)>,
     /// Directions of the nodes of 1, 4 and 16 samples.
     nodes: [Vec<Vector3<f64>>; 3],
+}
+
+/// Every fourth pixel or so of a block and its nodes, eight by eight, about its centre on +z.
+#[derive(Debug, Clone)]
+pub(super) struct Probe {
+    pub(super) pixels: Vec<Eight<3>>,
+    /// The nodes of 1, 4 and 16 samples; the last lanes repeat the last.
+    pub(super) nodes: [Eight<3>; NODES.div_ceil(GROUP)],
+    /// [eight pixels][node] of 4 and 16 samples.
+    pub(super) four: Vec<[Lanes; 4]>,
+    pub(super) sixteen: Vec<[Lanes; 16]>,
+    pub(super) radius: f64,
+}
+
+impl Probe {
+    /// Of a shape turned about its centre.
+    fn new(shape: &Shape, roll: f64, interpolation: &Interpolation, side: usize) -> Self {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), roll);
+        let eight = |all: &[Vector3<f64>]| {
+            let mut eight = [[0.0; GROUP]; 3];
+            for lane in 0..GROUP {
+                let d = turn * all[lane.min(all.len() - 1)];
+                eight.iter_mut().zip(d.iter()).for_each(|(axis, &c)| axis[lane] = c as f32);
+            }
+            eight
+        };
+        let chosen: Vec<&(Vector3<f64>, usize)> = shape.pixels.iter().filter(|(_, p)| is_probed(*p, side)).collect();
+        let places: Vec<Vector3<f64>> = chosen.iter().map(|(d, _)| *d).collect();
+        let nodes: Vec<Vector3<f64>> = shape.nodes.iter().flatten().copied().collect();
+        let pixels: Vec<usize> = chosen.iter().map(|(_, pixel)| *pixel).collect();
+        let [_, four, sixteen] = interpolation.levels();
+        Self {
+            pixels: places.chunks(GROUP).map(eight).collect(),
+            nodes: std::array::from_fn(|k| eight(&nodes[k * GROUP..])),
+            four: cardinals(four, &pixels),
+            sixteen: cardinals(sixteen, &pixels),
+            radius: shape.pixels.iter().map(|(d, _)| d.z.min(1.0).acos()).fold(0.0, f64::max),
+        }
+    }
+}
+
+/// The cardinal functions of a level at pixels, eight by eight.
+fn cardinals<const COUNT: usize>(level: &Level, pixels: &[usize]) -> Vec<[Lanes; COUNT]> {
+    let eight = |pixels: &[usize]| {
+        std::array::from_fn(|node| std::array::from_fn(|lane| level.cardinals[node][pixels[lane]] as f32))
+    };
+    pixels.chunks_exact(GROUP).map(eight).collect()
+}
+
+/// One pixel of every 2 × 2, each of the four in turn; all of the smallest blocks.
+fn is_probed(pixel: usize, side: usize) -> bool {
+    let (x, y) = (pixel % side, pixel / side);
+    side <= 8 || 2 * (y % 2) + x % 2 == (x / 2 + 2 * (y / 2)) % 4
 }
 
 /// Blocks of every shape and how functions on them are interpolated.
@@ -24,8 +81,20 @@ pub(in crate::backend::block_product) struct Gauge {
     /// Pixels along an edge of a block.
     pub(super) side: usize,
     /// See [`spread`].
-    spread: f64,
+    pub(super) spread: f64,
+    /// Shapes alike in size, smallest first: what stands for each.
+    pub(super) groups: Vec<Vec<Probe>>,
+    /// [shape]
+    #[cfg(test)]
+    group_of_shape: Vec<u8>,
+    /// [block]: its group.
+    group_of: Vec<u8>,
+    /// What stands for all shapes.
+    pub(super) all: Vec<Vec<Probe>>,
 }
+
+/// Groups of shapes that are told apart.
+const GROUPS: usize = 3;
 
 /// Values of a function, or the components of a vector.
 pub(super) type Values = Vector3<f64>;
@@ -45,38 +114,72 @@ impl Gauge {
         };
         let blocks = layout.shapes();
         let radius = blocks.iter().map(|&block| layout.radius(block)).fold(0.0, f64::max);
+        let shapes: Vec<Shape> = blocks.iter().map(shape).collect();
+        let mut by_size: Vec<usize> = (0..blocks.len()).collect();
+        by_size.sort_by(|&a, &b| layout.radius(blocks[a]).total_cmp(&layout.radius(blocks[b])));
+        let runs: Vec<&[usize]> = by_size.chunks(blocks.len().div_ceil(GROUPS)).collect();
+        let probe = |shape: usize, roll: f64| Probe::new(&shapes[shape], roll, interpolation, side);
+        // A block lies across the plane of incidence at any angle: straight and askew stand for all.
+        let both = |run: &&[usize]| vec![probe(run[0], 0.0), probe(run[run.len() - 1], std::f64::consts::FRAC_PI_4)];
+        let group_of_shape = |shape: usize| runs.iter().position(|run| run.contains(&shape)).unwrap_or(0) as u8;
         Self {
             interpolation: interpolation.clone(),
-            shapes: blocks.iter().map(shape).collect(),
+            groups: runs.iter().map(both).collect(),
+            #[cfg(test)]
+            group_of_shape: (0..blocks.len()).map(group_of_shape).collect(),
+            group_of: (0..layout.blocks()).map(|block| group_of_shape(layout.shape_of(block))).collect(),
+            all: vec![both(&&by_size[..])],
+            shapes,
             radius,
             side,
             spread: spread(layout.blocks()),
         }
     }
 
-    /// The largest radius of a block.
-    pub(in crate::backend::block_product) fn radius(&self) -> f64 {
-        self.radius
+    #[cfg(test)]
+    pub(super) fn group_of_shape(&self, shape: usize) -> u8 {
+        self.group_of_shape[shape]
     }
 
-    /// The errors over every `stride`-th pixel of a shape.
+    /// [block]: the group of its shape.
+    pub(in crate::backend::block_product) fn groups(&self) -> &[u8] {
+        &self.group_of
+    }
+
+    /// The codes of a tenth more than what sums over a probe make: rms, bias, mean of 0, 1, 4 and 16 samples. Never exactly none, as
+    /// not every pixel was probed.
     ///
-    /// `f` is None below the horizon, where no pixel counts and no sample can be taken.
-    pub(super) fn errors(&self, shape: &Shape, stride: usize, f: impl Fn(&Vector3<f64>) -> Option<Values>) -> Errors {
-        let nodes = shape.nodes.each_ref().map(|nodes| nodes.iter().map(&f).collect::<Option<Vec<Values>>>());
+    /// `peak` is what the lobe reaches in the block, if it may have been missed.
+    pub(super) fn entry(&self, sums: &Sums, probe: &Probe, peak: f32) -> Entry {
+        let count = (probe.pixels.len() * GROUP) as f32;
+        let missed = peak / self.side as f32;
+        let rms = sums.squares.map(|x| (x / count).sqrt());
+        let is_missed = rms[0] < missed || peak.is_infinite();
+        let mut entry = Entry::default();
+        for k in 0..4 {
+            let weight = if k == 0 { self.spread as f32 } else { 1.0 };
+            let floor = if is_missed { missed } else { 0.0 };
+            let pixel = floor / self.side as f32;
+            entry[0][k] = code(1.1 * (rms[k] * weight).max(floor));
+            entry[1][k] = code(1.1 * (sums.signed[k] / count * weight).max(pixel));
+            entry[2][k] = code(1.1 * (sums.sizes[k] / count * weight).max(pixel));
+        }
+        entry
+    }
+
+    /// The errors over a shape.
+    pub(super) fn errors(&self, shape: &Shape, f: impl Fn(&Vector3<f64>) -> Values) -> Errors {
+        let nodes = shape.nodes.each_ref().map(|nodes| nodes.iter().map(&f).collect::<Vec<Values>>());
         let (mut rms, mut bias, mut mean) = ([0.0; 4], [Values::zeros(); 4], [0.0; 4]);
-        let mut count = 0.0;
-        // A stride of 3 does not divide a row: all columns have their turn.
-        for (direction, pixel) in shape.pixels.iter().skip(stride / 2).step_by(stride) {
-            count += 1.0;
-            let Some(value) = f(direction) else { continue };
+        let count = shape.pixels.len() as f64;
+        for (direction, pixel) in &shape.pixels {
+            let value = f(direction);
             for k in 0..4 {
                 let guess = match k {
                     0 => Values::zeros(),
                     _ => {
-                        let Some(nodes) = &nodes[k - 1] else { continue };
                         let cardinals = &self.interpolation.levels()[k - 1].cardinals;
-                        nodes.iter().zip(cardinals).map(|(v, c)| v * c[*pixel]).sum()
+                        nodes[k - 1].iter().zip(cardinals).map(|(v, c)| v * c[*pixel]).sum()
                     }
                 };
                 let error: Values = value - guess;
@@ -86,15 +189,11 @@ impl Gauge {
             }
         }
         // What is left out is of one sign: such errors add up over the blocks, others average out.
-        let never = |k: usize, x: f64| match k {
-            0 => x * self.spread,
-            _ if nodes[k - 1].is_none() => f64::INFINITY,
-            _ => x,
-        };
+        let weighed = |k: usize, x: f64| if k == 0 { x * self.spread } else { x };
         Errors {
-            rms: std::array::from_fn(|k| never(k, (rms[k] / count).sqrt())),
-            bias: std::array::from_fn(|k| never(k, bias[k].norm() / count)),
-            mean: std::array::from_fn(|k| never(k, mean[k] / count)),
+            rms: std::array::from_fn(|k| weighed(k, (rms[k] / count).sqrt())),
+            bias: std::array::from_fn(|k| weighed(k, bias[k].norm() / count)),
+            mean: std::array::from_fn(|k| weighed(k, mean[k] / count)),
         }
     }
 }

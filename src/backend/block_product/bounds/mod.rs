@@ -9,10 +9,11 @@
 //! | lobe | table over | why that is enough |
 //! |---|---|---|
 //! | about the mirror direction m | angle of the block's centre to m | ρ̃ = f(m·ω) n·ω: the error is n · (error of f(m·ω) ω), so that the norm of that *vector* bounds all normals |
-//! | any other | elevations of viewer and block, azimuth between them; both azimuths unless isotropic | the largest and the smallest shape of block in two orientations, the largest of neighbouring cells |
+//! | any other | the viewer's direction and the block's relative to m; see `wide` | three sizes of block, straight and askew; the largest of the viewer's neighbours, interpolated between places |
 
 mod errors;
 mod gauge;
+mod lanes;
 mod mirror;
 mod wide;
 
@@ -22,7 +23,7 @@ use rayon::prelude::*;
 pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
 pub(super) use mirror::MirrorBounds;
-pub(super) use wide::WideBounds;
+pub(super) use wide::{Place, Symmetry, WideBounds, WideNodes, WideView, local_axes};
 
 /// Runs `one` for 0…count, in parallel.
 fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors> {

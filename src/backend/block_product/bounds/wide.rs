@@ -1,168 +1,389 @@
 //! Errors of lobes of any kind.
+//!
+//! A table has a slice for each cell of the viewer's direction and each group of shapes of blocks. A slice is laid out about the
+//! mirror direction m: a block's centre d lies in it at (x, y) sin(θ/2), θ the angle to m and (x, y) the direction from m to d,
+//! x along the plane of incidence. So a lobe stays in its place as the viewer moves, and only its shape changes.
+//! A slice holds the larger errors of the corners of the viewer's cell and is read off bilinearly. Logarithms of a lobe are concave about
+//! its peak, and what lies between two of them that differ by R octaves may be larger than their mean by R/4 (a Gaussian's). They are
+//! increased by R²/8, up to the larger one, which with the tenth that all errors are increased by is always as much.
 
-use nalgebra::{Rotation3, Unit, Vector3};
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
 
-use super::errors::{Codes, Errors};
-use super::gauge::Gauge;
-use super::{cell_of, each, half_sine};
-use crate::scene::Brdf;
+use nalgebra::Vector3;
 
-/// Errors for other lobes.
-#[derive(Debug, Clone)]
-pub(in crate::backend::block_product) struct WideBounds {
-    isotropic: bool,
-    cells: Vec<Codes>,
+use super::cell_of;
+use super::errors::{Codes, STEPS};
+use super::gauge::{Gauge, Probe};
+use super::lanes::{self, larger};
+use crate::scene::{Axes, Kernel, narrow};
+
+/// What a BRDF stays the same under.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(in crate::backend::block_product) enum Symmetry {
+    /// Turning about the normal, and mirroring.
+    Turned,
+    /// Mirroring the tangent, and the bitangent.
+    Mirrored,
+    /// Nothing.
+    None,
 }
 
-/// Cells along the elevation of the viewer, his azimuth, the elevation of the block, its azimuth (half of it if isotropic).
-const WIDE: [usize; 4] = [10, 16, 14, 24];
+/// How a table is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Grid {
+    symmetry: Symmetry,
+    /// Cells along the viewer's elevation and azimuth.
+    elevations: usize,
+    azimuths: usize,
+    /// Cells from the mirror direction to its opposite.
+    reach: usize,
+    groups: usize,
+}
 
-impl WideBounds {
-    /// Measures a BRDF.
-    pub(in crate::backend::block_product) fn new(gauge: &Gauge, brdf: &dyn Brdf, isotropic: bool) -> Self {
-        let counts = Self::counts(isotropic);
-        let raw = each(counts.iter().product(), |cell| Self::measure(gauge, brdf, isotropic, cell));
-        let cells = (0..raw.len()).map(|cell| Codes::new(Self::widest(&raw, isotropic, cell))).collect();
-        Self { isotropic, cells }
+/// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
+pub(super) type Entry = [[u8; 4]; 3];
+
+const NONE: Entry = [[1; 4]; 3];
+
+/// Viewers below this cosine to the normal are in no table: lobes become too narrow there.
+const LEAST: f64 = 0.005;
+
+/// Steps between two nodes of a slice.
+const FINE: u32 = 16;
+
+impl Grid {
+    fn of(symmetry: Symmetry, groups: usize) -> Self {
+        let (elevations, azimuths, reach) = match symmetry {
+            Symmetry::Turned => (32, 1, 20),
+            Symmetry::Mirrored => (16, 6, 16),
+            Symmetry::None => (10, 16, 12),
+        };
+        Self { symmetry, elevations, azimuths, reach, groups }
     }
 
-    /// The worse of both, cell by cell.
+    fn columns(&self) -> usize {
+        2 * self.reach + 1
+    }
+
+    fn rows(&self) -> usize {
+        if self.symmetry == Symmetry::Turned { self.reach + 1 } else { self.columns() }
+    }
+
+    /// Entries of a slice, of one group.
+    fn plane(&self) -> usize {
+        self.rows() * self.columns()
+    }
+
+    /// Nodes along the viewer's azimuth.
+    fn turns(&self) -> usize {
+        match self.symmetry {
+            Symmetry::Turned => 1,
+            Symmetry::Mirrored => self.azimuths + 1,
+            Symmetry::None => self.azimuths,
+        }
+    }
+
+    /// The viewer of a node.
+    fn viewer(&self, node: usize) -> Viewer {
+        let (elevation, turn) = (node / self.turns(), node % self.turns());
+        let z = (1.0 - (elevation as f64 / self.elevations as f64).powi(2)).max(LEAST);
+        let along = match self.symmetry {
+            Symmetry::Turned => [1.0, 0.0],
+            Symmetry::Mirrored => on_square(turn as f64 / self.azimuths as f64),
+            Symmetry::None => on_square(4.0 * turn as f64 / self.azimuths as f64),
+        };
+        Viewer { along, flat: (1.0 - z * z).sqrt(), z }
+    }
+
+    /// The centre of a block at a node of a slice, and sin(θ/2) of its angle to the mirror direction.
+    fn centre(&self, [x, y, mirror]: &[Vector3<f64>; 3], place: usize) -> Option<(Vector3<f64>, f64)> {
+        let (row, column, reach) =
+            ((place / self.columns()) as f64, (place % self.columns()) as f64, self.reach as f64);
+        let middle = if self.symmetry == Symmetry::Turned { 0.0 } else { reach };
+        let (a, b) = ((column - reach) / reach, (row - middle) / reach);
+        let square = a * a + b * b;
+        let scale = 2.0 * (1.0 - square).max(0.0).sqrt();
+        (square <= 1.0).then(|| (x * (scale * a) + y * (scale * b) + mirror * (1.0 - 2.0 * square), square.sqrt()))
+    }
+
+    /// The nodes at the corners of a cell.
+    fn corners(&self, cell: usize) -> [usize; 4] {
+        let (elevation, azimuth) = (cell / self.azimuths, cell % self.azimuths);
+        let (turns, next) = (self.turns(), (azimuth + 1) % self.turns());
+        let [low, high] = [elevation * turns, (elevation + 1) * turns];
+        [low + azimuth, low + next, high + azimuth, high + next]
+    }
+}
+
+/// A viewer's direction: azimuth, sine and cosine of the angle to the normal.
+#[derive(Debug, Clone, Copy)]
+struct Viewer {
+    along: [f64; 2],
+    flat: f64,
+    z: f64,
+}
+
+impl Viewer {
+    fn wo(&self) -> Vector3<f64> {
+        Vector3::new(self.flat * self.along[0], self.flat * self.along[1], self.z)
+    }
+
+    /// x, y and the mirror direction of a slice.
+    fn axes(&self) -> [Vector3<f64>; 3] {
+        let [c, s] = self.along;
+        let mirror = Vector3::new(-self.flat * c, -self.flat * s, self.z);
+        let across = Vector3::new(-s, c, 0.0);
+        [across.cross(&mirror), across, mirror]
+    }
+}
+
+/// Errors for each viewer and place, measured.
+#[derive(Debug, Clone)]
+pub(in crate::backend::block_product) struct WideNodes {
+    grid: Grid,
+    /// [viewer][group][row][column]
+    entries: Vec<Entry>,
+}
+
+impl WideNodes {
+    /// Measures the lobe that `kernel` gives for a viewer, in the coordinates of [`local_axes`].
+    pub(in crate::backend::block_product) fn measure<const N: usize, K: Kernel<N>>(
+        gauge: &Gauge,
+        symmetry: Symmetry,
+        kernel: impl Fn(&Vector3<f64>) -> K + Sync,
+    ) -> Self {
+        // Without any symmetry there are too many viewers to tell shapes apart.
+        let groups = if symmetry == Symmetry::None { &gauge.all } else { &gauge.groups };
+        let grid = Grid::of(symmetry, groups.len());
+        let arch = pulp::Arch::new();
+        let viewer = |node: usize| {
+            let viewer = grid.viewer(node);
+            let mut entries = vec![NONE; groups.len() * grid.plane()];
+            arch.dispatch(Measuring::<N, K> {
+                grid,
+                axes: viewer.axes(),
+                kernel: kernel(&viewer.wo()),
+                gauge,
+                groups,
+                entries: &mut entries,
+            });
+            entries
+        };
+        let nodes = (grid.elevations + 1) * grid.turns();
+        #[cfg(feature = "rayon")]
+        let entries = (0..nodes).into_par_iter().flat_map_iter(viewer).collect();
+        #[cfg(not(feature = "rayon"))]
+        let entries = (0..nodes).flat_map(viewer).collect();
+        Self { grid, entries }
+    }
+
+    /// The larger errors of both.
     ///
     /// # Panics
-    /// If only one is isotropic.
+    /// If they are not of the same symmetry.
     pub(in crate::backend::block_product) fn worse(mut self, other: &Self) -> Self {
-        assert_eq!(self.isotropic, other.isotropic, "bounds of lobes of one kind");
-        for (a, b) in self.cells.iter_mut().zip(&other.cells) {
-            *a = a.worse(*b);
-        }
+        assert_eq!(self.grid, other.grid, "errors of lobes of one kind");
+        self.entries.iter_mut().zip(&other.entries).for_each(|(a, b)| *a = worse(*a, *b));
         self
     }
+}
 
-    fn counts(isotropic: bool) -> [usize; 4] {
-        if isotropic { [WIDE[0], 1, WIDE[2], WIDE[3] / 2] } else { WIDE }
-    }
+/// The frame that kernels are measured in: normal +z, tangent +x.
+pub(in crate::backend::block_product) fn local_axes() -> Axes {
+    Axes::new(&crate::scene::Frame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
+}
 
-    fn split(isotropic: bool, mut cell: usize) -> [usize; 4] {
-        let counts = Self::counts(isotropic);
-        let mut parts = [0; 4];
-        for k in (0..4).rev() {
-            parts[k] = cell % counts[k];
-            cell /= counts[k];
-        }
-        parts
-    }
+/// All places of one viewer.
+struct Measuring<'a, const N: usize, K> {
+    grid: Grid,
+    axes: [Vector3<f64>; 3],
+    kernel: K,
+    gauge: &'a Gauge,
+    groups: &'a [Vec<Probe>],
+    entries: &'a mut [Entry],
+}
 
-    /// The errors with viewer and block in the middle of their cells.
-    fn measure(gauge: &Gauge, brdf: &dyn Brdf, isotropic: bool, cell: usize) -> Errors {
-        let counts = Self::counts(isotropic);
-        let parts = Self::split(isotropic, cell);
-        let coloured = brdf.colour().is_none();
-        let at = |k: usize| (parts[k] as f64 + 0.5) / counts[k] as f64;
-        let wo = direction(at(0) * 0.5_f64.sqrt(), if isotropic { 0.0 } else { 4.0 * at(1) });
-        let centre =
-            Unit::new_normalize(direction(at(2) * Self::lowest(gauge), at(3) * if isotropic { 2.0 } else { 4.0 }));
-        let place = Rotation3::rotation_between(&Vector3::z_axis(), &centre).unwrap_or_else(Rotation3::identity);
-        let mut most = Errors::default();
-        for roll in [0.0, std::f64::consts::FRAC_PI_4] {
-            let turn = place * Rotation3::from_axis_angle(&Vector3::z_axis(), roll);
-            for shape in [&gauge.shapes[0], &gauge.shapes[gauge.shapes.len() - 1]] {
-                let value = |d: &Vector3<f64>| {
-                    let wi = turn * d;
-                    let value = (wi.z > 0.0).then(|| brdf.eval(&wi, &wo) * wi.z);
-                    value.map(|v| if coloured { v } else { Vector3::new(v.max(), 0.0, 0.0) })
-                };
-                most = most.worst(gauge.errors(shape, 3, value));
-            }
-        }
-        // The peak of a lobe that is narrower than a pixel.
-        let mirror = Vector3::new(-wo.x, -wo.y, wo.z);
-        let peak = if mirror.angle(&centre) <= gauge.radius { brdf.eval(&mirror, &wo).max() * mirror.z } else { 0.0 };
-        most.with_a_pixel_of(peak, gauge.side)
-    }
+impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Measuring<'_, N, K> {
+    type Output = ();
 
-    /// sin(θ/2) of the lowest centre of a block that still reaches the horizon.
-    fn lowest(gauge: &Gauge) -> f64 {
-        (0.5 * (std::f64::consts::FRAC_PI_2 + gauge.radius)).sin()
-    }
-
-    /// The largest errors of a cell and its neighbours: azimuths go round, or are mirrored at the ends of a half.
-    fn widest(raw: &[Errors], isotropic: bool, cell: usize) -> Errors {
-        let counts = Self::counts(isotropic);
-        let parts = Self::split(isotropic, cell);
-        let near = |k: usize| {
-            let (n, p, round) = (counts[k], parts[k], !isotropic && k % 2 == 1);
-            let before = if p > 0 {
-                p - 1
-            } else if round {
-                n - 1
-            } else {
-                p
-            };
-            let after = if p + 1 < n {
-                p + 1
-            } else if round {
-                0
-            } else {
-                p
-            };
-            [before, p, after]
-        };
-        let mut most = Errors::default();
-        for a in near(0) {
-            for b in near(1) {
-                for c in near(2) {
-                    for d in near(3) {
-                        most = most.worst(raw[((a * counts[1] + b) * counts[2] + c) * counts[3] + d]);
-                    }
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self { grid, axes, kernel, gauge, groups, entries } = self;
+        let mirror = axes[2];
+        let peak = kernel.value(narrow(&mirror), mirror.z as f32).into_iter().fold(0.0, larger);
+        for (group, entries) in entries.chunks_exact_mut(grid.plane()).enumerate() {
+            for (place, entry) in entries.iter_mut().enumerate() {
+                let Some((centre, half_sine)) = grid.centre(&axes, place) else { continue };
+                if centre.z < -gauge.radius.sin() {
+                    continue;
+                }
+                let turn = turn_to(&centre);
+                for probe in &groups[group] {
+                    let is_near = half_sine <= (0.5 * probe.radius).sin();
+                    let sums = lanes::sums(kernel, &turn, probe);
+                    *entry = worse(*entry, gauge.entry(&sums, probe, if is_near { peak } else { 0.0 }));
                 }
             }
         }
-        most
-    }
-
-    /// A look-up for one viewer.
-    pub(in crate::backend::block_product) fn seen_from(&self, radius: f64, wo: &Vector3<f64>) -> WideView<'_> {
-        let counts = Self::counts(self.isotropic);
-        let elevation = cell_of(half_sine(wo.z as f32) * std::f32::consts::SQRT_2, counts[0]);
-        let azimuth = if self.isotropic { 0 } else { cell_of(0.25 * diamond(wo.x as f32, wo.y as f32), counts[1]) };
-        let plane = counts[2] * counts[3];
-        let flat = (wo.x * wo.x + wo.y * wo.y).sqrt();
-        // An isotropic lobe is looked up in the viewer's own azimuth.
-        let along = if self.isotropic && flat > 0.0 { [wo.x / flat, wo.y / flat] } else { [1.0, 0.0] };
-        WideView {
-            cells: &self.cells[(elevation * counts[1] + azimuth) * plane..][..plane],
-            counts: [counts[2], counts[3]],
-            scale: 1.0 / (0.5 * (std::f64::consts::FRAC_PI_2 + radius)).sin() as f32,
-            along: along.map(|x| x as f32),
-            isotropic: self.isotropic,
-        }
     }
 }
+
+/// A rotation, row by row, that takes +z to a direction.
+fn turn_to(z: &Vector3<f64>) -> [[f32; 3]; 3] {
+    let other = if z.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
+    let x = z.cross(&other).normalize();
+    let y = z.cross(&x);
+    [0, 1, 2].map(|k| [x[k] as f32, y[k] as f32, z[k] as f32])
+}
+
+fn worse(a: Entry, b: Entry) -> Entry {
+    std::array::from_fn(|k| std::array::from_fn(|i| a[k][i].max(b[k][i])))
+}
+
+/// Errors for other lobes, as frames look them up.
+#[derive(Debug, Clone)]
+pub(in crate::backend::block_product) struct WideBounds {
+    grid: Grid,
+    /// [cell of the viewer][group][row][column]
+    entries: Vec<Codes>,
+}
+
+impl WideBounds {
+    pub(in crate::backend::block_product) fn new(nodes: &WideNodes) -> Self {
+        let grid = nodes.grid;
+        let len = grid.groups * grid.plane();
+        let mut entries = Vec::with_capacity(grid.elevations * grid.azimuths * len);
+        for cell in 0..grid.elevations * grid.azimuths {
+            let corners = grid.corners(cell).map(|node| &nodes.entries[node * len..][..len]);
+            let slice: Vec<Entry> = (0..len).map(|i| corners.iter().fold(NONE, |all, at| worse(all, at[i]))).collect();
+            slice.chunks_exact(grid.plane()).for_each(|plane| increase(plane, grid.columns(), &mut entries));
+        }
+        Self { grid, entries }
+    }
+
+    /// A look-up for one viewer, in world coordinates; None if there is none for so low a viewer.
+    pub(in crate::backend::block_product) fn seen_from(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<WideView<'_>> {
+        let (grid, local) = (&self.grid, axes.to_local(wo));
+        if local.z < LEAST {
+            return None;
+        }
+        // The viewer, turned or mirrored to where the table has him.
+        let flat = local.x.hypot(local.y);
+        let mut along = if flat > 0.0 { [local.x / flat, local.y / flat] } else { [1.0, 0.0] };
+        let mut signs = [1.0; 2];
+        let azimuth = match grid.symmetry {
+            Symmetry::Turned => 0,
+            Symmetry::Mirrored => {
+                signs = along.map(|x| if x < 0.0 { -1.0 } else { 1.0 });
+                along = along.map(f64::abs);
+                cell_of(round_square(along) as f32, grid.azimuths)
+            }
+            Symmetry::None => cell_of((0.25 * round_square(along)) as f32, grid.azimuths),
+        };
+        let elevation = cell_of((1.0 - local.z).max(0.0).sqrt() as f32, grid.elevations);
+        let len = grid.groups * grid.plane();
+        let viewer = Viewer { along, flat, z: local.z };
+        let world = |d: Vector3<f64>| narrow(&axes.to_world(&Vector3::new(signs[0] * d.x, signs[1] * d.y, d.z)));
+        Some(WideView {
+            grid: *grid,
+            entries: &self.entries[(elevation * grid.azimuths + azimuth) * len..][..len],
+            axes: viewer.axes().map(world),
+        })
+    }
+}
+
+/// Appends a plane with each entry increased for what lies between it and its neighbours.
+fn increase(plane: &[Entry], columns: usize, to: &mut Vec<Codes>) {
+    let (rows, mut more) = (plane.len() / columns, plane.to_vec());
+    for row in 0..rows - 1 {
+        for column in 0..columns - 1 {
+            let corners = [0, 1, columns, columns + 1].map(|next| row * columns + column + next);
+            for k in 0..12 {
+                let code = |at: usize| plane[at].as_flattened()[k];
+                let (lowest, highest) =
+                    corners.iter().fold((u8::MAX, 0), |(low, high), &at| (code(at).min(low), code(at).max(high)));
+                let range = u32::from(highest - lowest);
+                let margin = (range * range).div_ceil(CURVED);
+                for at in corners {
+                    let raised = (u32::from(code(at)) + margin).min(u32::from(highest)) as u8;
+                    let entry = &mut more[at].as_flattened_mut()[k];
+                    *entry = raised.max(*entry);
+                }
+            }
+        }
+    }
+    to.extend(more.iter().map(Codes::of));
+}
+
+/// R²/8 octaves in codes: (range/STEPS)²/8 · STEPS.
+const CURVED: u32 = 8 * STEPS as u32;
 
 /// The errors of a lobe for one viewer.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::backend::block_product) struct WideView<'a> {
-    cells: &'a [Codes],
-    counts: [usize; 2],
-    scale: f32,
-    along: [f32; 2],
-    isotropic: bool,
+    grid: Grid,
+    /// [group][row][column]
+    entries: &'a [Codes],
+    /// x, y and mirror direction of the slice, in world coordinates.
+    axes: [[f32; 3]; 3],
 }
 
+/// Where a block's errors are in a slice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::backend::block_product) struct Place(u32);
+
 impl WideView<'_> {
-    /// The errors of a block whose centre is at `d`, in local coordinates.
+    /// The places of blocks whose centres and groups are given.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn codes(&self, d: [f32; 3]) -> &Codes {
-        let elevation = cell_of(half_sine(d[2]) * self.scale, self.counts[0]);
-        let (x, y) = (d[0] * self.along[0] + d[1] * self.along[1], d[1] * self.along[0] - d[0] * self.along[1]);
-        let turn = if self.isotropic { 0.5 * diamond(x, y.abs()) } else { 0.25 * diamond(x, y) };
-        &self.cells[elevation * self.counts[1] + cell_of(turn, self.counts[1])]
+    pub(in crate::backend::block_product) fn find(
+        &self,
+        [x, y, z]: &[Vec<f32>; 3],
+        groups: &[u8],
+        places: &mut [Place],
+    ) {
+        let Grid { symmetry, reach, .. } = self.grid;
+        let (columns, plane) = (self.grid.columns() as u32, self.grid.plane() as u32);
+        let is_half = symmetry == Symmetry::Turned;
+        let (fine, last) = (FINE as f32 * reach as f32, (2 * reach as u32 * FINE - 1) as f32);
+        let last_row = if is_half { fine - 1.0 } else { last };
+        let whole = if self.grid.groups > 1 { plane } else { 0 };
+        let centres = x.iter().zip(y).zip(z).zip(groups);
+        for ((((&x, &y), &z), &group), place) in centres.zip(places) {
+            let [a, b, c] = self.axes.map(|axis| axis[0] * x + axis[1] * y + axis[2] * z);
+            // (a, b)/√(2(1 + c)) is sin(θ/2) times the direction; at θ = π any direction is as good.
+            let opposite = 1.0 + c;
+            let scale = fine / (2.0 * if opposite > 1e-6 { opposite } else { 1e-6 }).sqrt();
+            let column = steps(a * scale + fine, last);
+            let row = steps(if is_half { b.abs() * scale } else { b * scale + fine }, last_row);
+            let at = u32::from(group) * whole + row / FINE * columns + column / FINE;
+            *place = Place(at << 8 | (row % FINE) << 4 | column % FINE);
+        }
+    }
+
+    /// The errors at a place.
+    #[inline(always)]
+    pub(in crate::backend::block_product) fn codes(&self, Place(place): Place) -> Codes {
+        let (at, row, column) = ((place >> 8) as usize, u64::from(place >> 4 & 15), u64::from(place & 15));
+        let (columns, fine) = (self.grid.columns(), u64::from(FINE));
+        let near = &self.entries[at..][..columns + 2];
+        let weights = [(fine - row) * (fine - column), (fine - row) * column, row * (fine - column), row * column];
+        Codes::between([&near[0], &near[1], &near[columns], &near[columns + 1]], weights)
     }
 }
 
-/// A number in [0, 4) that grows with the azimuth of (x, y), without trigonometry: the way round a square. 0 for the centre.
+/// The nearest whole number, from 0 to `last`.
 #[inline(always)]
-fn diamond(x: f32, y: f32) -> f32 {
+fn steps(x: f32, last: f32) -> u32 {
+    // 2²³ leaves the whole number in the low bits.
+    const ROUND: f32 = 8_388_608.0;
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < last { x } else { last };
+    (x + ROUND).to_bits() - ROUND.to_bits()
+}
+
+/// A number in [0, 4) that grows with the azimuth, without trigonometry: the way round a square.
+fn round_square([x, y]: [f64; 2]) -> f64 {
     let size = x.abs() + y.abs();
     let t = if size > 0.0 { y / size } else { 0.0 };
     match (x >= 0.0, t >= 0.0) {
@@ -172,16 +393,100 @@ fn diamond(x: f32, y: f32) -> f32 {
     }
 }
 
-/// The direction of sin(θ/2) and of a way round the square.
-fn direction(half_sine: f64, diamond: f64) -> Vector3<f64> {
-    let (quarter, t) = (diamond as usize % 4, diamond.fract());
+/// The unit vector there.
+fn on_square(way: f64) -> [f64; 2] {
+    let (quarter, t) = (way as usize % 4, way.fract());
     let (x, y) = match quarter {
         0 => (1.0 - t, t),
         1 => (-t, 1.0 - t),
         2 => (t - 1.0, -t),
         _ => (t, t - 1.0),
     };
-    let (z, size) = (1.0 - 2.0 * half_sine * half_sine, x.hypot(y));
-    let flat = (1.0 - z * z).max(0.0).sqrt();
-    Vector3::new(flat * x / size, flat * y / size, z)
+    let size = x.hypot(y);
+    [x / size, y / size]
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Rotation3, Unit};
+
+    use super::super::errors::Errors;
+    use super::*;
+    use crate::backend::block_product::interpolation::{Basis, Interpolation};
+    use crate::backend::block_product::layout::BlockLayout;
+    use crate::compress::ScanOrder;
+    use crate::scene::{Brdf, CookTorrance, Reflectance, Ward};
+    use crate::sphere::CubeGrid;
+
+    /// Numbers in [0, 1).
+    fn random(i: usize) -> f64 {
+        ((i as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
+    }
+
+    /// How many codes a table has more than the errors of a whole block, at viewers, places and turns of all kinds: the least and the mean.
+    fn surplus(bounds: &WideBounds, gauge: &Gauge, lobe: impl Fn(&Vector3<f64>, &Vector3<f64>) -> f64) -> (i32, f64) {
+        let (mut least, mut sum, mut count) = (i32::MAX, 0.0, 0.0);
+        let axes = local_axes();
+        for i in 0..4000 {
+            let turn = |k: usize| std::f64::consts::TAU * random(5 * i + k * 7919);
+            let z = 0.03 + 0.97 * random(3 * i + 1);
+            let wo = Vector3::new(turn(1).cos() * (1.0 - z * z).sqrt(), turn(1).sin() * (1.0 - z * z).sqrt(), z);
+            let shape = i % gauge.shapes.len();
+            // Above the horizon as a whole: what lies below is for the tests of whole frames.
+            let lowest = gauge.radius.sin() + 0.01;
+            let height = lowest + (1.0 - lowest) * random(11 * i + 5);
+            let flat = (1.0 - height * height).sqrt();
+            let centre = Vector3::new(flat * turn(2).cos(), flat * turn(2).sin(), height);
+            let to =
+                Rotation3::rotation_between(&Vector3::z_axis(), &Unit::new_normalize(centre)).expect("not opposite");
+            let to = to * Rotation3::from_axis_angle(&Vector3::z_axis(), turn(3));
+            let exact: Errors = gauge.errors(&gauge.shapes[shape], |d| {
+                let wi = to * d;
+                Vector3::new(lobe(&wi, &wo) * wi.z, 0.0, 0.0)
+            });
+            let view = bounds.seen_from(&axes, &wo).expect("high enough");
+            let group = gauge.groups.len() - 1;
+            let group = (0..=group).find(|&g| gauge.group_of_shape(shape) == g as u8).expect("every shape has a group");
+            let mut place = [Place::default()];
+            let centre = [centre.x, centre.y, centre.z].map(|x| vec![x as f32]);
+            view.find(&centre, &[group as u8], &mut place);
+            let got = view.codes(place[0]).all();
+            for (got, want) in got.iter().zip(Codes::exactly(exact).all()) {
+                // What is smaller than anything that is ever allowed says nothing.
+                if want > 40 {
+                    least = least.min(i32::from(*got) - i32::from(want));
+                    (sum, count) = (sum + f64::from(*got) - f64::from(want), count + 1.0);
+                }
+            }
+        }
+        assert!(count > 1000.0);
+        (least, sum / count)
+    }
+
+    #[test]
+    fn a_table_is_above_what_blocks_make_and_not_far() {
+        let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
+        let gauge = Gauge::new(&layout, &Interpolation::new(16, Basis::Polynomial).unwrap());
+        let axes = local_axes();
+        let mut all = Vec::new();
+        for alpha in [[0.1; 2], [0.2; 2], [0.5; 2], [0.15, 0.4]] {
+            let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
+            let ggx = CookTorrance::new([1.0; 3], alpha[0], alpha[1]).unwrap();
+            let nodes = WideNodes::measure(&gauge, symmetry, |wo| match ggx.facets(&axes, wo).unwrap() {
+                Reflectance::Grey(kernel) => kernel,
+                Reflectance::Coloured(_) => unreachable!(),
+            });
+            let of_ggx = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ggx.eval(wi, wo).x / ggx.constant());
+            let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
+            let nodes = WideNodes::measure(&gauge, symmetry, |wo| ward.kernel(&axes, wo).unwrap());
+            let of_ward = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ward.eval(wi, wo).x / ward.factor().x);
+            println!("{alpha:?}: GGX {of_ggx:?}, Ward {of_ward:?}");
+            all.extend([of_ggx, of_ward]);
+        }
+        for (least, mean) in all {
+            // Eight codes are a factor of 2.
+            assert!(least >= -8, "a table is too low by {least} codes");
+            assert!(mean <= 12.0, "a table is too high by {mean} codes");
+        }
+    }
 }

@@ -1,0 +1,104 @@
+//! BRDFs of which nothing is known but their values.
+
+use std::sync::Arc;
+
+use haarmonic::Error;
+use haarmonic::backend::block_product::{Relighter, Rule, Settings, Transport};
+use haarmonic::compress::ScanOrder;
+use haarmonic::nalgebra::Vector3;
+use haarmonic::scene::{
+    Brdf, BrdfFn, Comparison, CookTorrance, GroundTruth, Lambert, Materials, Procedural, Sky, TexelVisibility, View,
+};
+
+use crate::support::{above, baker, frame, in_turn, layout, lobe, noisy, of_sky, patchwork, sky, soup, view};
+
+const RGB: [f64; 3] = [0.8, 0.5, 0.2];
+
+fn constant() -> Arc<dyn Brdf> {
+    lobe(BrdfFn::new(|_: &Vector3<f64>, _: &Vector3<f64>| Vector3::from(RGB) / std::f64::consts::PI))
+}
+
+/// A closure with a constant value is Lambert's law, under every rule that may take a single sample exactly.
+#[test]
+fn a_constant_closure_is_lambert() {
+    let mesh = soup(60);
+    for (block, tolerance) in [(8, 0.1), (16, 0.1), (16, 1e-3), (32, 0.1), (16, 0.0)] {
+        let maps = above(&mesh, 32, patchwork(32, block, 5));
+        let transport = Transport::from_binary(&maps, &mesh, &layout(32, block, ScanOrder::Serpentine)).unwrap();
+        let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), ..Settings::default() };
+        for light in [sky(32), noisy(32, 4), of_sky(Sky::sunset(), 32)] {
+            let of = |brdf: Arc<dyn Brdf>| {
+                frame((&mesh, &transport), settings, &light, &view(), &in_turn(&[brdf], mesh.positions().len()))
+            };
+            let (got, want) = (of(constant()), of(lobe(Lambert::new(RGB).unwrap())));
+            let largest = want.iter().map(|l| l.amax()).fold(0.0, f32::max);
+            assert!(largest > 0.0);
+            for (got, want) in got.iter().zip(&want) {
+                // Sums in f32 in another order, measured 4e-7.
+                let off = (got - want).amax();
+                assert!(off <= 1.5e-6 * largest, "blocks of {block}, tolerance {tolerance}: {got:?} for {want:?}");
+            }
+        }
+    }
+}
+
+/// The same lobe as a model and as a closure of it has the same error, about.
+#[test]
+fn a_closure_is_as_good_as_its_model() {
+    let model = Procedural::Table.build(2000).unwrap();
+    let view = View::eye(model.camera.eye().cast()).unwrap();
+    let maps = baker(&model.mesh, 64).bake(&()).unwrap();
+    let transport = Transport::from_binary(&maps, &model.mesh, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
+    let light = sky(64);
+    let ggx = CookTorrance::isotropic([0.5; 3], 0.25).unwrap();
+    let glossy = |wi: &Vector3<f64>, wo: &Vector3<f64>| {
+        let cosine = (wi.z * wo.z - wi.x * wo.x - wi.y * wo.y).max(0.0);
+        Vector3::new(0.2, 0.1, 0.05) + Vector3::repeat(1.5 * cosine.powi(20))
+    };
+    let brushed = |wi: &Vector3<f64>, wo: &Vector3<f64>| {
+        let h = (wi + wo).normalize();
+        Vector3::repeat(0.05 + 0.6 * (-(h.x / 0.2).powi(2) - (h.y / 0.6).powi(2)).exp())
+    };
+    let lobes = [
+        lobe(ggx),
+        lobe(BrdfFn::new(move |wi: &Vector3<f64>, wo: &Vector3<f64>| ggx.eval(wi, wo))),
+        lobe(BrdfFn::new(glossy)),
+        lobe(BrdfFn::new(brushed)),
+    ];
+    let materials = in_turn(&lobes, model.mesh.positions().len());
+    let truth = GroundTruth { mesh: &model.mesh, materials: &materials, view: &view, light: &light };
+    let truth = truth.radiance(&TexelVisibility::Binary(&maps), &()).unwrap();
+    let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
+    let errors: Vec<f64> = (0..lobes.len())
+        .map(|k| {
+            let of: (Vec<_>, Vec<_>) =
+                truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(lobes.len()).unzip();
+            Comparison::new(&of.0, &of.1).unwrap().rel_l2
+        })
+        .collect();
+    println!("{errors:?}");
+    for (k, error) in errors.iter().enumerate() {
+        assert!(*error <= 5e-3, "lobe {k}: {errors:?}");
+    }
+}
+
+/// NaN is no light: no rule makes something plausible of it.
+#[test]
+fn a_closure_that_gives_nan_is_named() {
+    let mesh = soup(4);
+    let maps = above(&mesh, 32, |_, _| true);
+    let transport = Transport::from_binary(&maps, &mesh, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
+    let everywhere = |_: &Vector3<f64>, _: &Vector3<f64>| Vector3::repeat(f64::NAN);
+    let one_channel =
+        |wi: &Vector3<f64>, _: &Vector3<f64>| Vector3::new(0.1, if wi.z > 0.5 { f64::NAN } else { 0.2 }, 0.3);
+    for brdf in [lobe(BrdfFn::new(everywhere)), lobe(BrdfFn::new(one_channel))] {
+        let materials = in_turn(&[brdf], mesh.positions().len());
+        for rule in [Rule::default(), Rule::bounded(0.0).unwrap(), Rule::Pixels] {
+            let mut relighter = Relighter::new(&mesh, &transport, Settings { rule, ..Settings::default() }).unwrap();
+            relighter.set_light(&sky(32)).unwrap();
+            let mut out = vec![Vector3::zeros(); mesh.positions().len()];
+            let got = relighter.relight(&view(), &materials, &mut out);
+            assert!(matches!(got, Err(Error::NotFinite { what: "BRDF value at vertex", .. })), "{rule:?}: {got:?}");
+        }
+    }
+}
