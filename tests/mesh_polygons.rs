@@ -234,8 +234,8 @@ fn outlines_that_cross_themselves() {
 
 #[test]
 fn long_outlines() {
-    // A comb of a hundred thousand corners, a spiral of eight thousand.
-    let n = 100_000;
+    // A comb of fifty thousand corners, a spiral of eight thousand.
+    let n = 50_000;
     let comb: Vec<P> = (0..n)
         .map(|i| rounded([i as f64, if i % 2 == 0 { 0.0 } else { 5e4 }]))
         .chain([[n as f64, -1.0], [0.0, -1.0]])
