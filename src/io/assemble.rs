@@ -71,7 +71,8 @@ impl Soup {
         self.positions.push(position);
     }
 
-    /// Which of the faces that are appended from here on share normals, where the file gives none. Without a word all do.
+    /// Which of the faces that are appended from here on share normals, where the file gives none. Without a word all
+    /// do.
     pub(super) fn set_smoothing(&mut self, smoothing: Smoothing) {
         self.smoothing.set(self.faces.len(), smoothing);
     }
@@ -99,10 +100,10 @@ impl Soup {
 
     /// Repairs, warns and builds.
     ///
-    /// Coordinates are rounded to `f32`, far from zero after an origin has been taken off. Polygons are cut, vertices split
-    /// where faces do not share their normals, faces without area and vertices without a face dropped, faces turned as
-    /// the options say; normals that are zero or not finite are computed from the faces, and normals are scaled to unit
-    /// length.
+    /// Coordinates are rounded to `f32`, far from zero after an origin has been taken off. Polygons are cut, vertices
+    /// split where faces do not share their normals, faces without area and vertices without a face dropped, faces
+    /// turned as the options say; normals that are zero or not finite are computed from the faces, and normals are
+    /// scaled to unit length.
     pub(super) fn into_mesh(mut self, mut report: Report) -> Result<Loaded<Mesh>> {
         std::mem::take(&mut self.slivers)
             .warn(&mut report, |n| format!("{} with fewer than three corners left out", plural(n, "face", "faces")));
@@ -112,8 +113,12 @@ impl Soup {
         if self.faces.is_empty() {
             return Err(report.error("", "no faces; a mesh needs triangles"));
         }
-        if u32::try_from(self.positions.len()).is_err() {
-            return Err(report.error("", format!("{} vertices; at most 2^32 − 1 can be indexed", self.positions.len())));
+        // Every corner may become a vertex of its own: four times as many still have indices.
+        if self.positions.len().max(self.faces.len()) >= 1 << 30 {
+            let (vertices, faces) = (self.positions.len(), self.faces.len());
+            return Err(
+                report.error("", format!("{vertices} vertices, {faces} triangles; fewer than 2^30 can be read"))
+            );
         }
         self.check_finite(&report)?;
         let up = self.options.up;

@@ -23,7 +23,7 @@
 //! | what | becomes |
 //! |---|---|
 //! | coordinates that `f32` would round visibly, as far from zero | an origin is taken off in `f64`: [`Mesh::origin`] |
-//! | polygons | triangles: a fan around the first corner where that covers it (always for convex ones), ear clipping otherwise; holes are joined to the outline by bridges, corners that come twice. An outline that crosses itself is cut as well as it can be |
+//! | polygons | triangles: a fan around the first corner where that covers it (always for convex ones), ear clipping (crate `earcut`) otherwise; holes are joined to the outline by bridges, corners that come twice. An outline that crosses itself is cut as well as it can be |
 //! | vertices that are NaN or infinite | dropped if no face uses them, else an error |
 //! | faces without area, vertices without a face | dropped |
 //! | normals that are missing, zero or not finite | computed from the faces, weighted by angle |

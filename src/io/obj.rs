@@ -18,16 +18,16 @@ use crate::{Error, Result};
 /// else is skipped: texture coordinates, groups, materials, lines, points, curves. Lines may end in LF, CRLF or CR,
 /// be continued with a backslash and be of any length.
 ///
-/// Coordinates are read in `f64`. Where rounding them to `f32` would cost shape, as far from zero, an origin is taken off
-/// first, with a warning: [`Mesh::origin`].
+/// Coordinates are read in `f64`. Where rounding them to `f32` would cost shape, as far from zero, an origin is taken
+/// off first, with a warning: [`Mesh::origin`].
 ///
 /// A position keeps its place in the vertex list. Where faces give it several different normals, further vertices are
 /// appended for them (equal normals under different indices do not split). Corners without a normal get the
-/// angle-weighted one of the faces around them: of all faces in a file that never says `s`; of those of the same smoothing
-/// group in one that does. `s off` and `s 0` make faces flat, each with its own normal.
+/// angle-weighted one of the faces around them: of all faces in a file that never says `s`; of those of the same
+/// smoothing group in one that does. `s off` and `s 0` make faces flat, each with its own normal.
 ///
-/// A backslash at the end of a line, blanks behind it or not, joins the next one, unless the next one is a statement: the
-/// backslash was the last character of a name then. In a comment it means nothing.
+/// A backslash at the end of a line, blanks behind it or not, joins the next one, unless the next one is a statement:
+/// the backslash was the last character of a name then. In a comment it means nothing.
 ///
 /// Repaired with a warning: faces with fewer than three corners, normals that a face names and the file does not have,
 /// unknown statements, and what is repaired in [every format](super#meshes). NaN and infinity are understood as other
@@ -269,8 +269,8 @@ impl Reader {
         Ok(())
     }
 
-    /// The number of an index, and the zero-based one that it means: one below zero counts back from here. None for zero
-    /// and what is out of range whatever follows.
+    /// The number of an index, and the zero-based one that it means: one below zero counts back from here. None for
+    /// zero and what is out of range whatever follows.
     fn index(&self, word: &[u8], what: &str, so_far: usize) -> Result<(i64, Option<u32>)> {
         let number: i64 = (std::str::from_utf8(word).ok().and_then(|w| w.parse().ok()))
             .ok_or_else(|| self.error(format!("\"{}\" is not a {what} index", excerpt(word))))?;

@@ -45,19 +45,19 @@ impl MeshOptions {
 pub enum Winding {
     /// Faces of closed surfaces are turned, with a warning, where it is clear which side is outside.
     ///
-    /// Within a surface that is closed and has two sides, faces that disagree with their neighbours are turned; then the
-    /// normals that the file gives say which way is out, else the volume, which must be positive. A surface without
+    /// Within a surface that is closed and has two sides, faces that disagree with their neighbours are turned; then
+    /// the normals that the file gives say which way is out, else the volume, which must be positive. A surface without
     /// given normals that is wound inwards throughout is turned if no other closed surface is inside or around it. With
-    /// others it may be a room with its furniture or the inner side of a shell: it stays, with a warning where it is the
-    /// outermost. So does an open surface whose faces disagree.
+    /// others it may be a room with its furniture or the inner side of a shell: it stays, with a warning where it is
+    /// the outermost. So does an open surface whose faces disagree.
     #[default]
     Repair,
     /// Faces stay as the file has them, without a word: for rooms that are seen from inside.
     Keep,
 }
 
-/// The axis of a file's coordinates that points up. The mesh is turned so that it becomes +y, the house's convention, in
-/// which the light of environment maps falls from above.
+/// The axis of a file's coordinates that points up. The mesh is turned so that it becomes +y, the house's convention,
+/// in which the light of environment maps falls from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Up {
     /// +x: (x, y, z) becomes (−y, x, z).

@@ -1,8 +1,8 @@
 //! Coordinates far from zero: the origin that is taken off before they are rounded to `f32`.
 //!
 //! Rounding moves a coordinate c by up to 2⁻²⁴ |c|: a quarter of a metre at the northings of surveyors' grids. How much
-//! shape that costs is measured on the faces: the largest movement of a corner as a share of the shortest edge, which is
-//! also about the angle by which the face's normal turns.
+//! shape that costs is measured on the faces: the largest movement of a corner as a share of the shortest edge, which
+//! is also about the angle by which the face's normal turns.
 
 use nalgebra::Vector3;
 
@@ -12,8 +12,8 @@ use super::assemble::plural;
 /// The share of an edge that rounding may move a corner by and be no loss: normals turn by less than 0.06°.
 const SHARE: f64 = 1.0 / 1024.0;
 
-/// The share of half of the mesh's extent that rounding may move a corner by. Faces may be large and the gaps between them
-/// small; 2⁻¹⁴ is what a mesh loses about a thousand times its own size away from zero.
+/// The share of half of the mesh's extent that rounding may move a corner by. Faces may be large and the gaps between
+/// them small; 2⁻¹⁴ is what a mesh loses about a thousand times its own size away from zero.
 const SHARE_OF_EXTENT: f64 = 1.0 / 16384.0;
 
 /// What an origin must lessen the loss by to be worth it. A mesh that reaches to zero gains 2 at most.

@@ -1,8 +1,8 @@
 //! Polygons cut into triangles.
 //!
-//! A fan around the first corner where that covers the polygon once, which it does for every convex one; ear clipping by
-//! the crate `earcut` otherwise. Both look at the polygon along its Newell normal, the mean of its area vectors. Holes are
-//! part of the outline, as exporters write them: a bridge leads there and back, and its corners come twice.
+//! A fan around the first corner where that covers the polygon once, which it does for every convex one; ear clipping
+//! by the crate `earcut` otherwise. Both look at the polygon along its Newell normal, the mean of its area vectors.
+//! Holes are part of the outline, as exporters write them: a bridge leads there and back, and its corners come twice.
 
 use earcut::Earcut;
 use nalgebra::Vector3;
@@ -78,8 +78,8 @@ impl Cutter {
         if (covered - whole.abs()).abs() <= all.max(1e-9 * whole.abs()) { Cut::Ears } else { Cut::Crossing }
     }
 
-    /// The corners seen along the normal, on the plane of the two axes that it is farthest from. A polygon parallel to such
-    /// a plane keeps its coordinates exactly.
+    /// The corners seen along the normal, on the plane of the two axes that it is farthest from. A polygon parallel to
+    /// such a plane keeps its coordinates exactly.
     fn flatten(&mut self, corners: &[Vector3<f64>], normal: &Vector3<f64>) {
         let k = normal.iamax();
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);

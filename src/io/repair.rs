@@ -96,8 +96,8 @@ impl Rounded {
         self.normals.as_mut().map(copy);
     }
 
-    /// Gives faces of different smoothing groups vertices of their own, and flat ones vertices that they share with none,
-    /// unless the file has a normal there. Which polygons are flat.
+    /// Gives faces of different smoothing groups vertices of their own, and flat ones vertices that they share with
+    /// none, unless the file has a normal there. Which polygons are flat.
     fn split_by_smoothing(&mut self, ranges: &[Range<usize>]) -> Vec<bool> {
         if self.smoothing.is_uniform() {
             return vec![false; ranges.len()];
@@ -264,8 +264,8 @@ impl Rounded {
         }
     }
 
-    /// Splits the vertices whose faces look in opposite directions, so that the sum of their normals is rounding: those of
-    /// a thin surface whose two sides are cut differently.
+    /// Splits the vertices whose faces look in opposite directions, so that the sum of their normals is rounding: those
+    /// of a thin surface whose two sides are cut differently.
     fn split_opposed_vertices(&mut self, report: &mut Report) {
         let angles = |face: &[u32; 3]| {
             let corners = face.map(|i| self.positions[i as usize].cast::<f64>());

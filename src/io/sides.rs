@@ -1,8 +1,8 @@
 //! Polygons that are there twice, once each way round: a surface with two sides that share their vertices.
 //!
-//! The normals of its faces cancel at every vertex, and what is left of their sum is rounding. Each side gets vertices of
-//! its own. Which of two opposite faces is on which side is decided around each vertex: faces that share an edge there
-//! and run along it in opposite directions are on the same side.
+//! The normals of its faces cancel at every vertex, and what is left of their sum is rounding. Each side gets vertices
+//! of its own. Which of two opposite faces is on which side is decided around each vertex: faces that share an edge
+//! there and run along it in opposite directions are on the same side.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -16,8 +16,8 @@ pub(super) fn weld(positions: &[Vector3<f32>]) -> Vec<u32> {
     positions.iter().zip(0..).map(|(p, i)| *first.entry(bits(p)).or_insert(i)).collect()
 }
 
-/// The items in the order of their keys, which are below `keys`, those of the same key in their own order; and where each key
-/// begins.
+/// The items in the order of their keys, which are below `keys`, those of the same key in their own order; and where
+/// each key begins.
 pub(super) fn buckets(keys: usize, items: usize, key: impl Fn(u32) -> u32) -> (Vec<u32>, Vec<usize>) {
     let mut starts = vec![0; keys + 1];
     (0..items as u32).for_each(|i| starts[key(i) as usize + 1] += 1);
@@ -52,8 +52,8 @@ pub(super) struct Twin {
 /// Finds the polygons that are there more than once, by their welded corners.
 pub(super) fn twins(polygons: &[Range<usize>], faces: &[[u32; 3]], welded: &[u32]) -> Vec<Twin> {
     let mut ids: Vec<u32> = Vec::with_capacity(faces.len() + 2 * polygons.len());
-    // Where a polygon's corners are, and whether they were turned round to begin at the smallest and go on to the smaller
-    // of its neighbours.
+    // Where a polygon's corners are, and whether they were turned round to begin at the smallest and go on to the
+    // smaller of its neighbours.
     let keys: Vec<(Range<usize>, bool)> = (polygons.iter())
         .map(|range| {
             let start = ids.len();

@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::Report;
-use super::assemble::plural;
+use super::assemble::{Count, plural};
 use super::sides::buckets;
 
 /// No face.
@@ -73,6 +73,68 @@ pub(super) fn repair(given: &Faces<'_>, report: &mut Report) -> Vec<bool> {
     plan.find_surfaces();
     plan.decide(report);
     plan.turned
+}
+
+/// What is to be done about a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Verdict {
+    Keep,
+    /// Its faces agree with each other afterwards; with `flip` as the first one did not.
+    Mixed {
+        flip: bool,
+    },
+    /// All of it is turned.
+    Inward,
+    /// It is wound inwards, others are inside it, and it stays.
+    AroundOthers,
+    /// Its faces disagree, and it stays.
+    Unclear,
+}
+
+/// What there is to say.
+#[derive(Default)]
+struct Findings {
+    /// Faces that were turned.
+    mixed: Count,
+    inward: Count,
+    inward_surfaces: usize,
+    /// Surfaces that stay.
+    around_others: Count,
+    unclear: Count,
+}
+
+impl Findings {
+    fn warn(self, report: &mut Report) {
+        self.mixed.warn(report, |n| {
+            let n = plural(n, "triangle of a closed surface was", "triangles of closed surfaces were");
+            format!("{n} wound against the others; turned (unless Winding::Keep is asked for)")
+        });
+        let surfaces = plural(self.inward_surfaces, "closed surface is", "closed surfaces are");
+        self.inward.warn(report, |n| {
+            let n = plural(n, "triangle", "triangles");
+            format!(
+                "{surfaces} wound inwards; {n} turned outwards (for a room that is seen from inside ask for Winding::Keep)"
+            )
+        });
+        self.around_others.warn(report, |n| {
+            let n = plural(n, "closed surface is", "closed surfaces are");
+            format!(
+                "{n} wound inwards around others: taken for a room that is seen from inside and left so; if it is inside \
+                 out, turn its faces in the program it comes from"
+            )
+        });
+        self.unclear.warn(report, |n| {
+            let n = plural(
+                n,
+                "surface that is open or has one side only has",
+                "surfaces that are open or have one side only have",
+            );
+            format!(
+                "{n} neighbouring triangles that are wound against each other; left so: vertex normals are wrong along \
+                 their edges. Make the winding agree, or give normals"
+            )
+        });
+    }
 }
 
 struct Plan<'a> {
@@ -201,110 +263,72 @@ impl<'a> Plan<'a> {
         surface
     }
 
-    /// Decides which surfaces are turned as a whole, and warns.
+    /// What is to be done about a surface.
+    fn judge(&mut self, id: usize) -> Verdict {
+        let s = &self.surfaces[id];
+        if !(s.closed && s.orientable) {
+            let disagrees = s.is_mixed() || !s.orientable;
+            return if disagrees && !s.has_normals { Verdict::Unclear } else { Verdict::Keep };
+        }
+        let [as_given, agreed] = s.agreement;
+        if s.has_normals {
+            // Only if the faces fit the normals better afterwards.
+            let better = s.is_mixed() && agreed.abs() > as_given;
+            return if better { Verdict::Mixed { flip: agreed < 0.0 } } else { Verdict::Keep };
+        }
+        // Something flat has no outside.
+        if !s.is_solid() || !s.is_mixed() && s.volume > 0.0 {
+            return Verdict::Keep;
+        }
+        let (inside, holds) = self.nesting(id);
+        let s = &self.surfaces[id];
+        match (s.is_mixed(), inside || holds) {
+            (true, false) => Verdict::Mixed { flip: s.volume < 0.0 },
+            // As most of it is.
+            (true, true) => Verdict::Mixed { flip: 2.0 * s.turned_area > s.area },
+            (false, false) => Verdict::Inward,
+            (false, true) => {
+                if inside {
+                    Verdict::Keep
+                } else {
+                    Verdict::AroundOthers
+                }
+            }
+        }
+    }
+
+    /// Turns each surface as it was judged, and warns.
     fn decide(&mut self, report: &mut Report) {
-        let (mut mixed, mut inward, mut around_others, mut unclear) = (0, 0, 0, 0);
-        let (mut first_mixed, mut first_inward, mut first_around, mut first_unclear) = (NONE, NONE, NONE, NONE);
-        let (mut turned_surfaces, mut kept) = (0, Vec::new());
-        for id in 0..self.surfaces.len() {
-            let s = &self.surfaces[id];
-            if !(s.closed && s.orientable) {
-                if s.is_mixed() && !s.has_normals || !s.orientable && !s.has_normals {
-                    unclear += 1;
-                    if unclear == 1 {
-                        first_unclear = self.first_disagreeing(id);
-                    }
-                }
-                kept.push(id);
-                continue;
-            }
-            let [as_given, agreed] = s.agreement;
-            let is_judged = match s.has_normals {
-                // Only if the faces fit the normals better afterwards.
-                true => s.is_mixed() && agreed.abs() > as_given,
-                // Something flat has no outside.
-                false => s.is_solid() && (s.is_mixed() || s.volume < 0.0),
-            };
-            if !is_judged {
-                kept.push(id);
-                continue;
-            }
-            let flip = if s.has_normals {
-                agreed < 0.0
-            } else {
-                let (inside, holds) = self.nesting(id);
-                let s = &self.surfaces[id];
-                match (s.is_mixed(), inside || holds) {
-                    (_, false) => s.volume < 0.0,
-                    // As most of it is.
-                    (true, true) => 2.0 * s.turned_area > s.area,
-                    (false, true) => {
-                        if !inside {
-                            around_others += 1;
-                            first_around = first_around.min(s.faces[0]);
-                        }
-                        continue;
-                    }
-                }
-            };
-            let s = &self.surfaces[id];
-            let is_mixed = s.is_mixed();
-            for &f in &s.faces {
-                self.turned[f as usize] ^= flip;
-            }
-            let turned = s.faces.iter().filter(|&&f| self.turned[f as usize]);
-            let (n, first) = (turned.clone().count(), turned.min().copied().unwrap_or(NONE));
-            if is_mixed {
-                mixed += n;
-                first_mixed = first_mixed.min(first);
-            } else {
-                inward += n;
-                turned_surfaces += 1;
-                first_inward = first_inward.min(first);
-            }
-        }
-        for id in kept {
-            self.surfaces[id].faces.iter().for_each(|&f| self.turned[f as usize] = false);
-        }
+        let mut found = Findings::default();
         let place = |f: u32| format!("triangle {f}");
-        if mixed > 0 {
-            let n = plural(mixed, "triangle of a closed surface was", "triangles of closed surfaces were");
-            report.warn(
-                place(first_mixed),
-                format!("{n} wound against the others; turned (unless Winding::Keep is asked for)"),
-            );
+        for id in 0..self.surfaces.len() {
+            let verdict = self.judge(id);
+            if verdict == Verdict::Unclear {
+                found.unclear.add(|| place(self.first_disagreeing(id)));
+            }
+            let faces = &self.surfaces[id].faces;
+            if verdict == Verdict::AroundOthers {
+                found.around_others.add(|| place(faces[0]));
+            }
+            for &f in faces {
+                let turned = &mut self.turned[f as usize];
+                *turned = match verdict {
+                    Verdict::Mixed { flip } => *turned != flip,
+                    Verdict::Inward => true,
+                    _ => false,
+                };
+            }
+            // In the order of the file, so that the first is the first.
+            let mut turned: Vec<u32> = faces.iter().copied().filter(|&f| self.turned[f as usize]).collect();
+            turned.sort_unstable();
+            if verdict == Verdict::Inward {
+                found.inward_surfaces += 1;
+                turned.iter().for_each(|&f| found.inward.add(|| place(f)));
+            } else {
+                turned.iter().for_each(|&f| found.mixed.add(|| place(f)));
+            }
         }
-        if inward > 0 {
-            let surfaces = plural(turned_surfaces, "closed surface is", "closed surfaces are");
-            let n = plural(inward, "triangle", "triangles");
-            report.warn(
-                place(first_inward),
-                format!(
-                    "{surfaces} wound inwards; {n} turned outwards (for a room that is seen from inside ask for \
-                     Winding::Keep)"
-                ),
-            );
-        }
-        if around_others > 0 {
-            let n = plural(around_others, "closed surface is", "closed surfaces are");
-            report.warn(
-                place(first_around),
-                format!(
-                    "{n} wound inwards around others: taken for a room that is seen from inside and left so; if it \
-                     is inside out, turn its faces in the program it comes from"
-                ),
-            );
-        }
-        if unclear > 0 {
-            let n = plural(unclear, "surface has", "surfaces have");
-            report.warn(
-                place(first_unclear),
-                format!(
-                    "{n} neighbouring triangles that are wound against each other, and is open or has one side only; \
-                     left so: vertex normals are wrong along their edges. Make the winding agree, or give normals"
-                ),
-            );
-        }
+        found.warn(report);
     }
 
     /// The first face of a surface that disagrees with a neighbour.
@@ -314,8 +338,8 @@ impl<'a> Plan<'a> {
         own.map(|c| c[0].1.max(c[1].1)).min().unwrap_or(self.surfaces[id].faces[0])
     }
 
-    /// Whether a closed surface is inside another one, and whether another one is inside it; the latter, too, if that would
-    /// take too long to find out.
+    /// Whether a closed surface is inside another one, and whether another one is inside it; the latter, too, if that
+    /// would take too long to find out.
     fn nesting(&mut self, id: usize) -> (bool, bool) {
         let (mut inside, mut holds) = (false, false);
         for other in 0..self.surfaces.len() {
