@@ -1,6 +1,6 @@
 //! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and theorems.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use haarmonic::Error;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
