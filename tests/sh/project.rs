@@ -469,6 +469,7 @@ fn the_flow_of_heat_blurs_less_with_more_bands() {
 /// Relative L² error of a light after each family of windows, all channels alike, by light and bands; the table of docs/sh.md:
 /// `cargo test --all-features --test sh the_default_window -- --nocapture`.
 #[test]
+#[expect(clippy::print_stdout, reason = "the table of docs/sh.md")]
 fn the_default_window_of_deringing_is_the_nearer_one() {
     // A square lamp: extrema along circles, which round ones have, cost hundreds of times more.
     let lamp = |half: f64, bright: f64, sky: f64, ground: f64| {
