@@ -274,7 +274,7 @@ fn what_does_not_fit_is_refused() {
 
     let mut light = ProjectedLight::new(stage.light.grid()).unwrap();
     let other = CubeMap::from_fn(CubeGrid::new(4).unwrap(), |_| Vector3::zeros());
-    assert!(matches!(light.set(&other), Err(Error::OutOfRange { .. })));
+    assert!(matches!(light.set(&other), Err(Error::Length { .. })));
     let nan = stage.light.map(|_| Vector3::new(0.0, f32::NAN, 0.0));
     assert!(matches!(light.set(&nan), Err(Error::NotFinite { index: 0, .. })));
 }

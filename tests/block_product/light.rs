@@ -72,11 +72,7 @@ fn a_refused_light_leaves_the_one_before() {
     let before = all(&forms);
     assert!(before.iter().any(|&w| w != 0.0));
     for side in [8, 32] {
-        let expected = Error::OutOfRange {
-            what: "side of the light's cube map",
-            got: side as f64,
-            allowed: "that of the transport",
-        };
+        let expected = Error::Length { what: "side of the light's cube map", expected: 16, got: side };
         assert_eq!(forms.set(&noisy(side, 1)), Err(expected));
         assert_eq!(all(&forms), before);
     }

@@ -436,6 +436,27 @@ fn counts_that_overflow_are_wrong_lengths() {
 }
 
 #[test]
+fn glowing_spheres_of_any_scale_are_the_same() {
+    let lights = Lights::<f64>::new(4).unwrap();
+    let at = |scale: f64| {
+        let centre = Vector3::new(0.9, 0.9, -0.3) * scale;
+        let mut out = [f64::NAN; 16];
+        lights.eval(&Light::Sphere { centre, radius: 0.5 * scale }, [1.0], [&mut out]);
+        out
+    };
+    for scale in [1e-300, 1e-160, 1e160, 1e300, 1e308, 1.79e308] {
+        assert!(worst(&at(scale), &at(1.0)) < 1e-15, "{scale:e}");
+    }
+    for bad in [f64::NAN, f64::INFINITY] {
+        let mut out = [0.0; 16];
+        lights.eval(&Light::Sphere { centre: Vector3::new(bad, 1.0, 0.0), radius: 0.5 }, [1.0], [&mut out]);
+        assert!(out.iter().any(|c| c.is_nan()), "{bad}");
+        lights.eval(&Light::Cone { axis: Vector3::z(), half_angle: f64::NAN }, [1.0], [&mut out]);
+        assert!(out.iter().any(|c| c.is_nan()));
+    }
+}
+
+#[test]
 fn three_bands_of_irradiance_are_off_by_what_the_page_says() {
     let direction = Vector3::new(0.48, -0.6, 0.64);
     let mut light = vec![0.0; 9];

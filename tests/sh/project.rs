@@ -1,6 +1,6 @@
 //! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and theorems.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use haarmonic::Error;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
@@ -469,6 +469,7 @@ fn the_flow_of_heat_blurs_less_with_more_bands() {
 /// Relative L² error of a light after each family of windows, all channels alike, by light and bands; the table of docs/sh.md:
 /// `cargo test --all-features --test sh the_default_window -- --nocapture`.
 #[test]
+#[expect(clippy::print_stdout, reason = "the table of docs/sh.md")]
 fn the_default_window_of_deringing_is_the_nearer_one() {
     // A square lamp: extrema along circles, which round ones have, cost hundreds of times more.
     let lamp = |half: f64, bright: f64, sky: f64, ground: f64| {

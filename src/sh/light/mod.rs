@@ -215,10 +215,14 @@ impl<T: Real> Lights<T> {
 
     #[track_caller]
     fn sphere(&self, centre: &Vector3<T>, radius: T, facing: bool, out: &mut [T]) {
-        let centre = centre.map(T::widen);
+        let (mut centre, mut radius) = (centre.map(T::widen), radius.widen());
+        if centre.amax() > 1e300 {
+            // Only their quotient matters, and its root must not overflow.
+            (centre, radius) = (centre * 0.25, radius * 0.25);
+        }
         let distance = centre.x.hypot(centre.y).hypot(centre.z);
         // clamp keeps NaN; at the centre the quotient may be one that the arguments are not.
-        let sine = if distance == 0.0 { 1.0 } else { (radius.widen() / distance).clamp(0.0, 1.0) };
+        let sine = if distance == 0.0 { 1.0 } else { (radius / distance).clamp(0.0, 1.0) };
         let axis = if distance == 0.0 { Vector3::z() } else { centre.map(|c| T::of(c / distance)) };
         let cap = CapFactors::from_sine(sine);
         if facing {
