@@ -49,10 +49,10 @@ impl Rounded {
         self.split_opposed_vertices(&mut report);
         self.drop_unreferenced_vertices(&mut report);
         let had_normals = self.normals.is_some();
-        self.scale_normals(&mut report);
+        let bad = self.scale_normals(&mut report);
         self.set_flat_normals(&polygons, &polygon_of);
         if had_normals {
-            self.report_normals(&mut report);
+            self.report_normals(bad, &mut report);
         }
         let failed = |e: crate::Error| report.error("", e.to_string());
         let mesh = match self.normals {
@@ -119,6 +119,10 @@ impl Rounded {
             };
             flat.push(matches!(key, Key::Polygon(_)));
             for f in range.clone() {
+                // A triangle without area is dropped later: copies for it would be vertices without a face.
+                if range.len() == 1 && self.area(&self.faces[f]) == Vector3::zeros() {
+                    continue;
+                }
                 self.faces[f] = self.faces[f].map(|v| match key {
                     _ if self.has_normal(v) => v,
                     Key::Polygon(_) => splitter.vertex_in_order(v, key),
@@ -357,8 +361,8 @@ impl Rounded {
         dropped.warn(report, |n| format!("{} without a face left out", plural(n, "vertex", "vertices")));
     }
 
-    /// Scales normals to unit length; those that are not finite become zero, which means that there is none.
-    fn scale_normals(&mut self, report: &mut Report) {
+    /// Scales normals to unit length; those that are not finite become zero, which means that there is none. How many.
+    fn scale_normals(&mut self, report: &mut Report) -> usize {
         let mut bad = Count::default();
         for (i, normal) in self.normals.iter_mut().flatten().enumerate() {
             // In f64, where no finite f32 vector over- or underflows.
@@ -368,17 +372,22 @@ impl Rounded {
             }
             *normal = unit.map_or_else(Vector3::zeros, |n| n.cast());
         }
+        let n = bad.n;
         bad.warn(report, |n| format!("{} not finite; computed from the faces", plural(n, "normal is", "normals are")));
+        n
     }
 
-    /// Warns of the file's normals that are not there, or against the faces.
-    fn report_normals(&mut self, report: &mut Report) {
+    /// Warns of the file's normals that are not there, beside the `bad` ones, or against the faces.
+    fn report_normals(&mut self, bad: usize, report: &mut Report) {
         let Some(normals) = &self.normals else { return };
         let missing = normals.iter().filter(|n| !is_given(n)).count();
-        if missing > 0 {
+        if missing > bad {
             report.warn(
                 "",
-                format!("{} missing or zero; computed from the faces", plural(missing, "normal is", "normals are")),
+                format!(
+                    "{} missing or zero; computed from the faces",
+                    plural(missing - bad, "normal is", "normals are")
+                ),
             );
         }
         if missing == normals.len() {
