@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | OBJ | yes | no | own reader |
 //! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with float colours | own reader |
-//! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `gltf` for the JSON, own reader for the accessors |
+//! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `serde_json`, own reader of what a mesh needs |
 //! | Radiance HDR (RGBE) | yes | yes | own reader and writer |
 //! | OpenEXR, every compression of flat images | yes | yes (lossless ZIP, 32-bit float) | crate `exr` |
 //! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
