@@ -511,8 +511,8 @@ fn accessors_without_a_view_are_zeros() {
     document.refused("a.glb: all 2 faces have no area");
     document.json["accessors"][0]["count"] = json!(1u64 << 40);
     document.refused(
-        "a.glb, mesh 0 primitive 0 POSITION: accessor 0: 1099511627776 elements without a buffer view; at most 2^16, or 16 \
-         for each sparse one, can be read",
+        "a.glb, mesh 0 primitive 0 POSITION: accessor 0: 1099511627776 elements without a buffer view; at most \
+         2^16, or 16 for each sparse one, can be read",
     );
     let mut document = Document::square();
     document.json["accessors"][1].as_object_mut().unwrap().remove("bufferView");
@@ -525,8 +525,8 @@ fn compressed_data_are_refused_by_name() {
     document.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     document.primitive()["extensions"] = json!({"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {}}});
     document.refused(
-        "a.glb, mesh 0 primitive 0 POSITION: accessor 0: its data are those of KHR_draco_mesh_compression, which cannot be \
-         read",
+        "a.glb, mesh 0 primitive 0 POSITION: accessor 0: its data are those of KHR_draco_mesh_compression, which \
+         cannot be read",
     );
     // With plain data beside the compressed ones the file can be read.
     document.json["accessors"][0]["bufferView"] = json!(0);
@@ -909,7 +909,11 @@ proptest! {
                     0 => bytes[at] = *value,
                     1 => bytes[at] ^= 1 << (value % 8),
                     // Digits for digits, so that the JSON stays JSON and the numbers change.
-                    2 => bytes.iter_mut().skip(at).find(|b| b.is_ascii_digit()).into_iter().for_each(|b| *b = b'0' + value % 10),
+                    2 => {
+                        if let Some(digit) = bytes.iter_mut().skip(at).find(|b| b.is_ascii_digit()) {
+                            *digit = b'0' + value % 10;
+                        }
+                    }
                     _ => bytes.insert(at, *value),
                 }
             }

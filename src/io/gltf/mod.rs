@@ -38,27 +38,29 @@ use crate::{Error, Result};
 ///
 /// All triangles of the default scene (else of the first scene, else of all nodes) become one mesh, with the nodes'
 /// transforms applied in `f64`; a transform that mirrors turns its triangles round. Lists, strips and fans are read;
-/// positions are `f32` or quantised (`KHR_mesh_quantization`), normals likewise. A primitive without normals is flat, as
-/// the standard demands: every corner has the normal of its face, and every face vertices of its own (a vertex keeps its
-/// place in the list for the first one; the others are appended). Accessors may be sparse or without a
-/// buffer view (zeros, by the standard). Every instance of `EXT_mesh_gpu_instancing` is read. Buffers are the GLB's
-/// own or base64 data URIs; those in files beside need [`load_mesh`](super::load_mesh), which follows relative paths
-/// into the file's own folder or below and nothing else (no `..`, no absolute path, no other scheme; symbolic links
-/// are followed).
+/// positions are `f32` or quantised (`KHR_mesh_quantization`), normals likewise. Accessors may be sparse or without a
+/// buffer view (zeros, by the standard). Every instance of `EXT_mesh_gpu_instancing` is read.
+///
+/// A primitive without normals is flat, as the standard demands: every corner has the normal of its face, and every
+/// face vertices of its own (a vertex keeps its place in the list for the first one; the others are appended).
+///
+/// Buffers are the GLB's own or base64 data URIs; those in files beside need [`load_mesh`](super::load_mesh), which
+/// follows relative paths into the file's own folder or below and nothing else (no `..`, no absolute path, no other
+/// scheme; symbolic links are followed).
 ///
 /// Left out with a warning are points and lines, skins and morph targets: a skinned mesh stands as stored, without its
-/// node's transform. Animations, materials, textures, images, samplers, cameras, skins, names and extras are not read;
-/// a field of theirs that is not what the standard says is a warning, one for each kind of object.
+/// node's transform. Animations, materials, textures, images, samplers, cameras, names and extras are not read; a field
+/// of theirs or of a skin that is not what the standard says is a warning, one for each kind of object.
 ///
 /// Repaired with a warning: GLB chunks that are out of order, padded in other ways than the standard's or cut short,
-/// and a length of the whole that is not true; JSON that is not UTF-8 or padded with NUL; instances that cannot be read
-/// (the mesh stands once); and what is repaired in [every format](super#meshes).
+/// and a length of the whole that is not true; JSON that is not UTF-8, has NaN for a number (null) or is padded with
+/// NUL; instances that cannot be read (the mesh stands once); and what is repaired in [every format](super#meshes).
 ///
 /// # Errors
 /// [`Error::File`] with the line of the JSON or the name of the object in it: compressed data (Draco, meshopt), other
-/// required extensions, no `POSITION`, anything that reaches outside its buffer, NaN or infinite coordinates, indices
-/// out of range, a node that is reached twice, more than 2²⁶ vertices or triangles, more than 2¹⁶ positions
-/// or indices (16 for each sparse one) without a buffer view.
+/// required extensions, no `POSITION`, anything that reaches outside its buffer, NaN or infinite coordinates of a face,
+/// indices out of range, a node that is reached twice, more than 2²⁶ vertices or triangles, more than 2¹⁶ positions or
+/// indices (16 for each sparse one) without a buffer view.
 pub fn read_gltf(bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
     read_gltf_with(bytes, name, &MeshOptions::default())
 }
