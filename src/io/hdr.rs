@@ -198,11 +198,11 @@ fn positive<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
     numbers(text).filter(|n| n.iter().all(|x| x.is_finite() && *x > 0.0))
 }
 
-/// Exactly N numbers separated by blanks.
+/// Exactly N numbers separated by blanks, before what is none.
 fn numbers<const N: usize>(text: &[u8]) -> Option<[f64; N]> {
-    let numbers: Result<Vec<f64>, _> =
-        std::str::from_utf8(text).ok()?.split_ascii_whitespace().map(str::parse).collect();
-    <[f64; N]>::try_from(numbers.ok()?).ok()
+    let numbers: Vec<f64> =
+        std::str::from_utf8(text).ok()?.split_ascii_whitespace().map_while(|w| w.parse().ok()).collect();
+    <[f64; N]>::try_from(numbers).ok()
 }
 
 /// Parses "-Y height +X width" and its seven sisters.

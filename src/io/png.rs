@@ -69,7 +69,8 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     if transparent > 0 {
         report.warn("", format!("alpha dropped; {transparent} pixels are not opaque"));
     }
-    if let Some(primaries) = encoding.primaries {
+    // What is grey has the colour of white whatever the primaries are.
+    if let Some(primaries) = encoding.primaries.filter(|_| colour) {
         primaries.convert("chunk cHRM", &mut report, &mut pixels);
     }
     finish(report, width, height, pixels)

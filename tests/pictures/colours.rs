@@ -133,3 +133,13 @@ fn chromaticities_that_span_no_colours_are_ignored_with_a_warning() {
         assert!(message.ends_with(") span no colours; ignored"), "{message}");
     }
 }
+
+/// A lone Y is as bright and as white in any primaries.
+#[test]
+fn grey_is_grey() {
+    use exr::prelude::{Blocks, Compression, SampleType};
+    let grey = crate::exr_files::file(&["Y"], &[SampleType::F32], Compression::ZIP16, (3, 2), Blocks::ScanLines, false);
+    let value: Vec<u8> = REC_2020.iter().flat_map(|c| c.to_le_bytes()).collect();
+    let tagged = with_attribute(&grey, "chromaticities", "chromaticities", &value);
+    assert_eq!(read_exr(&tagged, "a.exr").unwrap(), read_exr(&grey, "a.exr").unwrap());
+}

@@ -145,7 +145,8 @@ fn read_rules<'a>(input: &mut Input<'a>) -> Result<Vec<Rule<'a>>, String> {
     let size = input.u16().and_then(|n| usize::from(n).checked_sub(2));
     let mut input = Input(size.and_then(|n| input.take(n)).ok_or_else(wrong)?);
     let mut rules = Vec::new();
-    while !input.0.is_empty() {
+    // Writers have some 25; each is compared with each channel.
+    while !input.0.is_empty() && rules.len() < 256 {
         let (suffix, flags, samples) = (input.name(), input.u8(), input.u8());
         let (Some(suffix), Some(flags), Some(samples)) = (suffix, flags, samples) else { return Err(wrong()) };
         rules.push(Rule {

@@ -221,6 +221,9 @@ impl Attributes {
     }
 }
 
+/// The most channels of a file: names are compared with each other.
+const MAX_CHANNELS: usize = 4096;
+
 fn channels(mut value: Input) -> Result<Vec<Channel>, String> {
     let mut channels = Vec::new();
     let cut = || "the list of channels is cut short".to_owned();
@@ -228,6 +231,9 @@ fn channels(mut value: Input) -> Result<Vec<Channel>, String> {
         let name = value.name().ok_or_else(cut)?;
         if name.is_empty() {
             break;
+        }
+        if channels.len() == MAX_CHANNELS {
+            return Err(format!("more than {MAX_CHANNELS} channels"));
         }
         let name = String::from_utf8_lossy(name).into_owned();
         let code = value.u32().ok_or_else(cut)?;

@@ -2,8 +2,8 @@
 //!
 //! A reader of our own: the common crate's decoders take memory for what a damaged block says (terabytes, which aborts
 //! the process) and index and subtract without checks. Here nothing is taken or indexed that has not been compared with
-//! the size in the header, and that with the size of the file. Source: "Technical Introduction to OpenEXR" and "OpenEXR
-//! File Layout", openexr.com; for DWA, which neither describes, the streams that its authors' library writes.
+//! the size in the header, and that with the size of the file. Sources: "OpenEXR File Layout" and "Technical
+//! Introduction to OpenEXR", openexr.com; what they leave open (PIZ, B44, DWA) is as OpenEXR and its peers write it.
 
 mod b44;
 mod block;
@@ -57,7 +57,8 @@ pub(super) fn read_tagged(bytes: &[u8], name: &std::path::Path) -> Result<Tagged
     let header = Header::read(bytes).map_err(|reason| report.error("header", reason))?;
     let layout = Layout::new(&header, bytes.len(), &mut report)?;
     let mut pixels = decode(bytes, &header, &layout).map_err(|(place, reason)| report.error(place, reason))?;
-    if let Some(chromaticities) = header.chromaticities {
+    // What is grey has the colour of white whatever the primaries are.
+    if let Some(chromaticities) = header.chromaticities.filter(|_| !layout.is_grey()) {
         let primaries = Primaries::new(chromaticities.map(f64::from));
         primaries.convert("header, chromaticities", &mut report, &mut pixels);
     }
@@ -144,9 +145,9 @@ impl Layout {
         check_size(report, "header, data window", data.width, data.height)?;
         // Each block has an entry of 8 bytes in the offset table and a head of at least 8 of its own. Compression at its
         // best is DWA of one colour: a symbol of 2 bytes for 8 × 8 halves, which Deflate shortens 1032 times: 2^16.01.
-        let raw = (data.width * data.height).saturating_mul(header.pixel_size());
+        let raw = (data.width * data.height).checked_mul(header.pixel_size());
         let blocks = header.blocks().into_iter().product::<usize>();
-        if blocks > bytes / 16 || raw >> 17 > bytes {
+        if blocks > bytes / 16 || raw.is_none_or(|raw| raw >> 17 > bytes) {
             let reason =
                 format!("{} × {} pixels in {blocks} blocks cannot come from {bytes} bytes", data.width, data.height);
             return Err(report.error("header, data window", reason));
@@ -173,6 +174,11 @@ impl Layout {
         Ok(Self { width, height, colours, offset })
     }
 
+    /// Whether one channel is all colours.
+    fn is_grey(&self) -> bool {
+        self.colours.contains(&(0..3))
+    }
+
     /// Puts an uncompressed block, whose first pixel is `left` from the data window's, where it belongs.
     fn copy(&self, block: &Block, left: [usize; 2], raw: &[u8], pixels: &mut [Vector3<f32>]) {
         let [x, y] = [0, 1].map(|i| left[i] as i64 + self.offset[i]);
@@ -183,11 +189,12 @@ impl Layout {
             return;
         }
         let first = (x + inside.start as i64) as usize;
+        let starts = block.channel_starts();
         for (line, y) in raw.chunks_exact(block.line_size()).zip(y..) {
             let Some(y) = usize::try_from(y).ok().filter(|y| *y < self.height) else { continue };
             let row = &mut pixels[y * self.width + first..][..inside.len()];
-            let channels = block.channels.iter().zip(block.channel_starts()).zip(&self.colours);
-            for ((channel, start), colours) in channels.filter(|(_, colours)| !colours.is_empty()) {
+            let channels = block.channels.iter().zip(&starts).zip(&self.colours);
+            for ((channel, &start), colours) in channels.filter(|(_, colours)| !colours.is_empty()) {
                 let size = channel.samples.size();
                 let samples = &line[start + size * inside.start..][..size * inside.len()];
                 for (pixel, sample) in row.iter_mut().zip(samples.chunks_exact(size)) {
