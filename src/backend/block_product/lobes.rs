@@ -255,9 +255,8 @@ impl Planner {
         if let Some(nodes) = self.nodes.get(&(kind, corner)) {
             return Ok(Arc::clone(nodes));
         }
-        let Corner { across: [u, v], f0, steps } = corner;
-        let (symmetry, axes, gauge) =
-            (if u == v { Symmetry::Turned } else { Symmetry::Mirrored }, local_axes(), &self.gauge);
+        let Corner { across: [u, v], f0, symmetry } = corner;
+        let (axes, gauge) = (local_axes(), &self.gauge);
         let white = Vector3::repeat(1.0);
         const ABOVE: &str = "tables have no viewer at or below the horizon";
         let nodes = match kind {
@@ -266,11 +265,11 @@ impl Planner {
                 WideNodes::measure(gauge, symmetry, |wo| model.kernel(&axes, wo).expect(ABOVE))
             }
             Kind::Ward => {
-                let model = Ward::new(white, alpha_at(u, steps), alpha_at(v, steps))?;
+                let model = Ward::new(white, alpha_at(u, symmetry), alpha_at(v, symmetry))?;
                 WideNodes::measure(gauge, symmetry, |wo| model.kernel(&axes, wo).expect(ABOVE))
             }
             Kind::CookTorrance => {
-                let model = CookTorrance::new([f0_at(f0); 3], alpha_at(u, steps), alpha_at(v, steps))?;
+                let model = CookTorrance::new([f0_at(f0); 3], alpha_at(u, symmetry), alpha_at(v, symmetry))?;
                 WideNodes::measure(gauge, symmetry, |wo| match model.facets(&axes, wo).expect(ABOVE) {
                     Reflectance::Grey(kernel) => kernel,
                     Reflectance::Coloured(_) => unreachable!("three equal channels are grey"),
@@ -310,8 +309,7 @@ struct Parameters {
     highest: [i32; 2],
     /// Reflectances at normal incidence: of the channels' least and largest.
     f0: [i32; 2],
-    /// Of the grid of roughnesses, per octave.
-    steps: i32,
+    symmetry: Symmetry,
 }
 
 /// A corner of it.
@@ -319,20 +317,20 @@ struct Parameters {
 struct Corner {
     across: [i32; 2],
     f0: i32,
-    steps: i32,
+    symmetry: Symmetry,
 }
 
 impl Parameters {
     fn exponent(exponent: f64) -> Self {
         let at = exponent_index(exponent);
-        Self { lowest: [at; 2], highest: [at + 1; 2], f0: [0; 2], steps: 0 }
+        Self { lowest: [at; 2], highest: [at + 1; 2], f0: [0; 2], symmetry: Symmetry::Turned }
     }
 
-    /// Eighths of an octave if isotropic, quarters if not.
+    /// Sixteenths of an octave if isotropic, quarters if not.
     fn roughness(alpha: [f64; 2]) -> Self {
-        let steps = if alpha[0] == alpha[1] { 8 } else { 4 };
-        let end = |round: fn(f64) -> f64| alpha.map(|alpha| round(alpha.log2() * f64::from(steps)) as i32);
-        Self { lowest: end(f64::floor), highest: end(f64::ceil), f0: [0; 2], steps }
+        let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
+        let end = |round: fn(f64) -> f64| alpha.map(|alpha| round(alpha.log2() * steps(symmetry)) as i32);
+        Self { lowest: end(f64::floor), highest: end(f64::ceil), f0: [0; 2], symmetry }
     }
 
     /// The lobe is linear in the reflectance at normal incidence, so that a norm of its error is largest at an end.
@@ -341,17 +339,16 @@ impl Parameters {
     }
 
     fn corners(self) -> Vec<Corner> {
-        let Self { lowest, highest, steps, .. } = self;
-        let mut across: Vec<[i32; 2]> = if lowest[0] == lowest[1] && highest[0] == highest[1] && steps != 4 {
-            vec![lowest, highest]
-        } else {
-            [lowest[0], highest[0]].iter().flat_map(|&u| [[u, lowest[1]], [u, highest[1]]]).collect()
+        let Self { lowest, highest, symmetry, .. } = self;
+        let mut across: Vec<[i32; 2]> = match symmetry {
+            Symmetry::Turned => vec![lowest, highest],
+            _ => [lowest[0], highest[0]].iter().flat_map(|&u| [[u, lowest[1]], [u, highest[1]]]).collect(),
         };
         let mut f0 = self.f0.to_vec();
         across.sort_unstable();
         across.dedup();
         f0.dedup();
-        across.iter().flat_map(|&across| f0.iter().map(move |&f0| Corner { across, f0, steps })).collect()
+        across.iter().flat_map(|&across| f0.iter().map(move |&f0| Corner { across, f0, symmetry })).collect()
     }
 }
 
@@ -397,9 +394,14 @@ fn exponent_index(exponent: f64) -> i32 {
     if exponent < 1.0 { (exponent * 8.0) as i32 } else { 8 + (exponent.log2() * 8.0).floor() as i32 }
 }
 
+/// Roughnesses of a grid, per octave.
+fn steps(symmetry: Symmetry) -> f64 {
+    if symmetry == Symmetry::Turned { 16.0 } else { 4.0 }
+}
+
 /// Roughnesses 2^(k/steps) in [1e-4, 1].
-fn alpha_at(index: i32, steps: i32) -> f64 {
-    (f64::from(index) / f64::from(steps)).exp2().clamp(1e-4, 1.0)
+fn alpha_at(index: i32, symmetry: Symmetry) -> f64 {
+    (f64::from(index) / steps(symmetry)).exp2().clamp(1e-4, 1.0)
 }
 
 /// The exponent of a Phong lobe about as wide, for the fixed rule; None: as smooth as a cosine.

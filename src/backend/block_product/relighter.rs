@@ -155,7 +155,7 @@ impl<'a> Relighter<'a> {
     /// [`f32::MAX`] is held there.
     ///
     /// Materials that were not in the last frame cost their tables of errors first: tens of milliseconds for each new
-    /// exponent or isotropic lobe about the half vector, seconds for an anisotropic one.
+    /// exponent or isotropic lobe about the half vector, some hundreds for an anisotropic one or a closure.
     ///
     /// # Errors
     /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that was asked for, over

@@ -38,7 +38,7 @@ impl Errors {
     }
 }
 
-/// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the eighth root of 2.
+/// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the 32nd root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Codes {
     rms: Four,
@@ -61,17 +61,17 @@ impl Codes {
     }
 
     #[cfg(test)]
-    pub(super) fn all(&self) -> [u8; 12] {
-        std::array::from_fn(|k| ([self.rms, self.bias, self.mean][k / 4].0 >> (16 * (k % 4))) as u8)
+    pub(super) fn all(&self) -> [u16; 12] {
+        std::array::from_fn(|k| ([self.rms, self.bias, self.mean][k / 4].0 >> (16 * (k % 4))) as u16)
     }
 
     /// Of codes that are there: rms, bias, mean.
-    pub(super) fn of(codes: &[[u8; 4]; 3]) -> Self {
+    pub(super) fn of(codes: &[[u16; 4]; 3]) -> Self {
         let [rms, bias, mean] = codes.map(Four::new);
         Self { rms, bias, mean }
     }
 
-    /// What lies between four, rounded up; the weights add up to 256.
+    /// What lies between four, rounded up; the weights add up to 64.
     #[inline(always)]
     pub(super) fn between(four: [&Self; 4], weights: [u64; 4]) -> Self {
         let [a, b, c, d] = four;
@@ -101,20 +101,21 @@ impl Codes {
 struct Four(u64);
 
 impl Four {
-    fn new(codes: [u8; 4]) -> Self {
+    fn new(codes: [u16; 4]) -> Self {
         Self(codes.iter().rev().fold(0, |four, &code| four << 16 | u64::from(code)))
     }
 
-    /// All four at once: sixteen bits hold 255 · 256 and what rounds it up.
+    /// All four at once: sixteen bits hold 1023 · 64 and what rounds it up.
     #[inline(always)]
     fn between([a, b, c, d]: [Self; 4], weights: [u64; 4]) -> Self {
-        const LOW: u64 = 0x00ff_00ff_00ff_00ff;
-        let sum = a.0 * weights[0] + b.0 * weights[1] + c.0 * weights[2] + d.0 * weights[3] + LOW;
-        Self(sum >> 8 & LOW)
+        const UP: u64 = 0x003f_003f_003f_003f;
+        const LOW: u64 = 0x03ff_03ff_03ff_03ff;
+        let sum = a.0 * weights[0] + b.0 * weights[1] + c.0 * weights[2] + d.0 * weights[3] + UP;
+        Self(sum >> 6 & LOW)
     }
 
     fn larger(self, other: Self) -> Self {
-        let code = |four: Self, k: usize| (four.0 >> (16 * k)) as u8;
+        let code = |four: Self, k: usize| (four.0 >> (16 * k)) as u16;
         Self::new(std::array::from_fn(|k| code(self, k).max(code(other, k))))
     }
 }
@@ -258,29 +259,17 @@ impl Norms {
 }
 
 /// Above every threshold.
-const NEVER: u8 = u8::MAX;
-pub(super) const STEPS: f64 = 8.0;
-const ZERO: f64 = 200.0;
+const NEVER: u16 = 1023;
+pub(super) const STEPS: f64 = 32.0;
+const ZERO: f64 = 800.0;
 
 /// Rounded up: an error is never less than its code says.
-fn code(error: f64) -> u8 {
+pub(super) fn code(error: f64) -> u16 {
     match error {
         0.0 => 0,
-        e if e < f64::INFINITY => (ZERO + STEPS * e.log2()).ceil().clamp(1.0, f64::from(NEVER)) as u8,
+        e if e < f64::INFINITY => (ZERO + STEPS * e.log2()).ceil().clamp(1.0, f64::from(NEVER)) as u16,
         _ => NEVER,
     }
-}
-
-/// [`code`] from the bits of a number, but at least 1: eight per octave, so that the mantissa says how many of seven roots are passed.
-pub(super) fn quick_code(error: f32) -> u8 {
-    const MANTISSA: u32 = (1 << 23) - 1;
-    // ⌊2²³ (2^(k/8) − 1)⌋, k = 0…7.
-    const ROOTS: [u32; 8] = [0, 759_233, 1_587_184, 2_490_070, 3_474_675, 4_548_394, 5_719_292, 6_996_166];
-    let bits = error.to_bits();
-    let octave = (bits >> 23) as i32 - 127;
-    let passed = ROOTS.iter().map(|&root| i32::from(bits & MANTISSA > root)).sum::<i32>();
-    // Infinity and NaN are of the highest octave.
-    (ZERO as i32 + STEPS as i32 * octave + passed).clamp(1, i32::from(NEVER)) as u8
 }
 
 /// The code of the largest error that is allowed, rounded down; to be lessened by [`offset`]s.

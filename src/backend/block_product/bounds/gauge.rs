@@ -2,9 +2,8 @@
 
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use super::errors::{Errors, quick_code as code, spread};
+use super::errors::{Errors, spread};
 use super::lanes::{Lanes, Sums};
-use super::wide::Entry;
 use crate::backend::block_product::interpolation::{Interpolation, Level};
 use crate::backend::block_product::layout::BlockLayout;
 use crate::backend::block_product::light::NODES;
@@ -146,25 +145,25 @@ impl Gauge {
         &self.group_of
     }
 
-    /// The codes of a tenth more than what sums over a probe make: rms, bias, mean of 0, 1, 4 and 16 samples. Never exactly none, as
-    /// not every pixel was probed.
+    /// What sums over a probe make: rms, bias and mean of 0, 1, 4 and 16 samples.
     ///
-    /// `peak` is what the lobe reaches in the block, if it may have been missed.
-    pub(super) fn entry(&self, sums: &Sums, probe: &Probe, peak: f32) -> Entry {
+    /// `peak` is what the lobe reaches in the block, if it may have been missed. A mean error that cancels at one place or turn of the
+    /// block does not at the next: it is taken for an eighth of the root mean square at least.
+    pub(super) fn errors_of(&self, sums: &Sums, probe: &Probe, peak: f32) -> [[f32; 4]; 3] {
         let count = (probe.pixels.len() * GROUP) as f32;
         let missed = peak / self.side as f32;
         let rms = sums.squares.map(|x| (x / count).sqrt());
         let is_missed = rms[0] < missed || peak.is_infinite();
-        let mut entry = Entry::default();
+        let mut errors = [[0.0; 4]; 3];
         for k in 0..4 {
             let weight = if k == 0 { self.spread as f32 } else { 1.0 };
             let floor = if is_missed { missed } else { 0.0 };
             let pixel = floor / self.side as f32;
-            entry[0][k] = code(1.1 * (rms[k] * weight).max(floor));
-            entry[1][k] = code(1.1 * (sums.signed[k] / count * weight).max(pixel));
-            entry[2][k] = code(1.1 * (sums.sizes[k] / count * weight).max(pixel));
+            errors[0][k] = (rms[k] * weight).max(floor);
+            errors[1][k] = (sums.signed[k] / count * weight).max(pixel).max(0.125 * errors[0][k]);
+            errors[2][k] = (sums.sizes[k] / count * weight).max(pixel);
         }
-        entry
+        errors
     }
 
     /// The errors over a shape.
