@@ -5,6 +5,7 @@
 
 mod basis;
 mod exp_log;
+mod expansion;
 mod light;
 mod polygon;
 mod product;
