@@ -6,7 +6,7 @@
 use std::hint::black_box;
 
 use haarmonic::nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
-use haarmonic::sh::{Basis, CubeProjection, Product, Rotation, Rotator, Square, TexelRule, rotate_z};
+use haarmonic::sh::{Basis, CubeProjection, Expansion, Product, Rotation, Rotator, Square, TexelRule, rotate_z};
 use haarmonic::sphere::{CubeGrid, CubeMap, fibonacci_directions};
 use haarmonic_benches::{Jobs, numbers};
 
@@ -40,6 +40,64 @@ fn products(jobs: &mut Jobs) {
             square.batch(count, black_box(&f), black_box(&mut out));
         });
     }
+}
+
+/// A call that stays one: what is inlined into a loop over arrays may be vectorised across them.
+#[inline(never)]
+fn call<A, B, R>(function: impl Fn(A, B) -> R, a: A, b: B) -> R {
+    function(a, b)
+}
+
+/// Arrays of `N`, one at a time.
+fn arrays<const N: usize>(jobs: &mut Jobs)
+where
+    [f32; N]: Expansion<Scalar = f32>,
+{
+    let bands = <[f32; N]>::BANDS;
+    let inputs = || numbers(N * INPUTS).as_chunks::<N>().0.to_vec();
+    let (a, b, mut out) = (inputs(), numbers(N * (INPUTS + 1))[N..].as_chunks::<N>().0.to_vec(), inputs());
+    let (f, g, mut h) = (a.clone(), b.clone(), out.clone());
+    jobs.add(format!("product array {bands}"), INPUTS, move || {
+        for ((a, b), out) in a.iter().zip(&b).zip(black_box(&mut out)) {
+            *out = call(<[f32; N]>::product, a, b);
+        }
+    });
+    jobs.add(format!("product array, inlined {bands}"), INPUTS, move || {
+        for ((a, b), out) in f.iter().zip(&g).zip(black_box(&mut h)) {
+            *out = a.product(b);
+        }
+    });
+    let (f, mut out, turns) = (inputs(), inputs(), (0..INPUTS).map(|i| turn(i).cast::<f32>()).collect::<Vec<_>>());
+    jobs.add(format!("rotate array {bands}"), INPUTS, move || {
+        for ((f, turn), out) in f.iter().zip(&turns).zip(black_box(&mut out)) {
+            *out = call(<[f32; N]>::rotate, f, turn);
+        }
+    });
+    let directions: Vec<_> = fibonacci_directions(INPUTS).iter().map(|d| d.into_inner().cast::<f32>()).collect();
+    let (mut out, d) = (inputs(), directions.clone());
+    jobs.add(format!("eval array {bands}"), INPUTS, move || {
+        for (d, out) in d.iter().zip(black_box(&mut out)) {
+            *out = call(|d, ()| <[f32; N]>::eval(d), d, ());
+        }
+    });
+    let mut out = inputs();
+    jobs.add(format!("eval array, inlined {bands}"), INPUTS, move || {
+        for (d, out) in directions.iter().zip(black_box(&mut out)) {
+            *out = <[f32; N]>::eval(d);
+        }
+    });
+    let (a, b) = (inputs(), inputs());
+    jobs.add(format!("dot array {bands}"), INPUTS, move || {
+        for (a, b) in black_box(&a).iter().zip(&b) {
+            black_box(call(<[f32; N]>::dot, a, b));
+        }
+    });
+    let (a, b, c) = (inputs(), inputs(), inputs());
+    jobs.add(format!("integral array {bands}"), INPUTS, move || {
+        for ((a, b), c) in black_box(&a).iter().zip(&b).zip(&c) {
+            black_box(a.integral(b, c));
+        }
+    });
 }
 
 fn turn(i: usize) -> Rotation3<f64> {
@@ -144,6 +202,13 @@ fn projections(jobs: &mut Jobs) {
 fn main() {
     let mut jobs = Jobs::default();
     products(&mut jobs);
+    arrays::<4>(&mut jobs);
+    arrays::<9>(&mut jobs);
+    arrays::<16>(&mut jobs);
+    arrays::<25>(&mut jobs);
+    arrays::<36>(&mut jobs);
+    arrays::<49>(&mut jobs);
+    arrays::<64>(&mut jobs);
     single_rotations(&mut jobs);
     batch_rotations(&mut jobs);
     evaluation(&mut jobs);

@@ -2,6 +2,7 @@
 //!
 //! `cargo run --release -p haarmonic-generate [-- --check]` from anywhere in the workspace.
 
+mod basis;
 mod optimal_linear;
 mod output;
 mod product;
@@ -17,7 +18,7 @@ fn main() -> ExitCode {
         Some("--check") => true,
         Some(other) => return fail(&format!("{other}: the only argument is --check")),
     };
-    let outputs = [vec![optimal_linear::table()], product::outputs()].into_iter().flatten();
+    let outputs = [vec![basis::output(), optimal_linear::table()], product::outputs()].into_iter().flatten();
     for output in outputs {
         let done = if check { output.check() } else { output.write() };
         if let Err(message) = done {

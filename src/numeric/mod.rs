@@ -1,11 +1,13 @@
 //! Quadrature, Legendre polynomials, careful sums and other numerical ground work.
 
+mod arch;
 mod legendre;
 mod quadrature;
 mod safe;
 mod stack;
 mod sum;
 
+pub(crate) use arch::arch_256;
 pub(crate) use legendre::LegendreSteps;
 pub use legendre::{legendre, legendre_all, legendre_slopes};
 pub use quadrature::GaussLegendre;

@@ -21,6 +21,7 @@
 //! | one that rings | a milder one; one that is nowhere negative | [`Window`], [`Deringing`] |
 //! | one rotation, many expansions | all of them rotated | [`Rotation`] |
 //! | many rotations | an expansion rotated by each | [`Rotator`]; about z [`rotate_z`], [`rotate_z_batch`] |
+//! | one vector at a time, of 1 to 8 bands | values, products, rotations and integrals of arrays, without a plan | [`Expansion`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
 //! | three | ∫ f g h | [`Product::integral`] |
@@ -40,6 +41,7 @@
 
 mod basis;
 mod convention;
+mod expansion;
 mod exponential;
 mod gamma;
 mod index;
@@ -52,6 +54,7 @@ mod zonal;
 
 pub use basis::{Basis, associated_legendre, eval};
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
+pub use expansion::Expansion;
 pub use exponential::{
     CapFit, CapLog, ExpMethod, Exponential, GridFunction, LogMethod, Logarithm, OptimalLinear, Powers, ProductSeries,
     ProductSpectrum,

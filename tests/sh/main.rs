@@ -6,6 +6,7 @@
 mod basis;
 mod edges;
 mod exp_log;
+mod expansion;
 mod light;
 mod polygon;
 mod product;

@@ -12,7 +12,7 @@ use self::gradient::{GradientPoint, GradientRows, walk_gradient};
 use self::hessian::{HessianPoint, HessianRows, walk_hessian};
 use self::kernel::{Accumulate, Dot, Keep, StoreFewRows, StoreRows, Table, walk, walk_fixed};
 use crate::error::check_length;
-use crate::numeric::align_stack;
+use crate::numeric::{align_stack, arch_256};
 use crate::{Error, Real, Result};
 
 pub use self::legendre::associated_legendre;
@@ -68,7 +68,7 @@ impl<T: Real> Basis<T> {
             let allowed = if is_narrow::<T>() { "1 to 128 in f32" } else { "1 to 1024 in f64" };
             return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed });
         }
-        Ok(Self { bands, table: Table::new(bands), arch: Arch::new() })
+        Ok(Self { bands, table: Table::new(bands), arch: arch_256() })
     }
 
     /// The largest `bands`: 128 in `f32`, 1024 in `f64`.

@@ -1,5 +1,5 @@
-//! What the straight-line text is written against, and how it runs: over a batch, eight vectors to a register, or over one
-//! vector, where the lanes are the nodes.
+//! What the straight-line text is written against, and how it runs over a batch, a register of vectors at a time. Over one vector:
+//! [`single`](super::single).
 //!
 //! One text makes both, so a batch has the bits of single calls.
 
@@ -12,6 +12,7 @@ use super::generated::{
     quadrature_8::Quadrature8, tensor_2::Tensor2, tensor_3::Tensor3,
 };
 use super::nodes::{Rule, factors, normalized_legendre};
+use super::single::{LANES, one};
 use crate::Real;
 use crate::numeric::align_stack;
 use crate::sh::lane::{Element, Lane};
@@ -44,26 +45,23 @@ pub(super) trait Straight: 'static {
 }
 
 #[inline(always)]
-fn pair<K: Straight, P: Site, const SQUARE: bool>(p: &mut P) {
+pub(super) fn pair<K: Straight, P: Site, const SQUARE: bool>(p: &mut P) {
     if SQUARE { K::square(p) } else { K::product(p) }
 }
 
 #[inline(always)]
-fn at_poles<K: Straight, P: Site, const SQUARE: bool>(p: &mut P) {
+pub(super) fn at_poles<K: Straight, P: Site, const SQUARE: bool>(p: &mut P) {
     if SQUARE { K::square_at_poles(p) } else { K::product_at_poles(p) }
 }
 
-/// Room for the pairs of nodes of one kernel, whatever a register holds.
-const MOST_PAIRS: usize = 16;
-
 /// Constants of the nodes, `C` to a pair: N P_lm to evaluate, then to project.
 #[derive(Debug, Clone, Default, PartialEq)]
-struct Constants<T> {
-    poles: Vec<T>,
+pub(super) struct Constants<T> {
+    pub poles: Vec<T>,
     /// Pair by pair.
-    pairs: Vec<T>,
-    /// Constant by constant, `MOST_PAIRS` places each.
-    rows: Vec<T>,
+    pub pairs: Vec<T>,
+    /// `C` for each [`LANES`] pairs, side by side; zeros where there are fewer.
+    pub lanes: Vec<[T; LANES]>,
 }
 
 impl<T: Real> Constants<T> {
@@ -82,12 +80,13 @@ impl<T: Real> Constants<T> {
         };
         let pairs: Vec<T> = rule.pairs.iter().flat_map(|&[z, weight]| of(z, weight)).collect();
         let count = bands * (bands + 1);
-        let mut rows = vec![T::zero(); count * MOST_PAIRS];
+        let mut lanes = vec![[T::zero(); LANES]; rule.pairs.len().div_ceil(LANES) * count];
         for (k, constants) in pairs.chunks_exact(count).enumerate() {
-            constants.iter().enumerate().for_each(|(i, c)| rows[i * MOST_PAIRS + k] = *c);
+            let group = &mut lanes[k / LANES * count..][..count];
+            constants.iter().zip(group).for_each(|(c, lanes)| lanes[k % LANES] = *c);
         }
         let poles = if rule.poles > 0.0 { of(1.0, rule.poles).collect() } else { Vec::new() };
-        Self { poles, pairs, rows }
+        Self { poles, pairs, lanes }
     }
 }
 
@@ -121,40 +120,6 @@ impl<S: Simd, T: Element, const N: usize, const C: usize> Site for Block<'_, S, 
     #[inline(always)]
     fn give(&mut self, i: usize, value: Self::Row) {
         self.out[i] = self.out[i] + value;
-    }
-}
-
-/// Nodes in lanes, for one vector by quadrature.
-struct Nodes<'a, S: Simd, T: Element, const N: usize> {
-    simd: S,
-    first: usize,
-    rows: &'a [[T; MOST_PAIRS]],
-    a: &'a [T; N],
-    b: &'a [T; N],
-    out: &'a mut [[T; MOST_PAIRS]; N],
-}
-
-impl<S: Simd, T: Element, const N: usize> Site for Nodes<'_, S, T, N> {
-    type Row = T::Reg<S>;
-    #[inline(always)]
-    fn constant(&self, i: usize) -> Self::Row {
-        T::load(self.simd, &self.rows[i][self.first..][..T::lanes::<S>()])
-    }
-    #[inline(always)]
-    fn literal(&self, value: f64) -> Self::Row {
-        T::splat(self.simd, T::of(value))
-    }
-    #[inline(always)]
-    fn a(&self, i: usize) -> Self::Row {
-        T::splat(self.simd, self.a[i])
-    }
-    #[inline(always)]
-    fn b(&self, i: usize) -> Self::Row {
-        T::splat(self.simd, self.b[i])
-    }
-    #[inline(always)]
-    fn give(&mut self, i: usize, value: Self::Row) {
-        T::store::<S>(&mut self.out[i][self.first..][..T::lanes::<S>()], value);
     }
 }
 
@@ -243,36 +208,9 @@ impl<S: Simd, T: Element, const N: usize> Site for Tile<'_, S, T, N> {
     }
 }
 
-/// One vector, number by number, for the text by the tensor. What is given is stored at once: all of it together at the end would be
-/// vectorised, with more shuffles than operations.
-struct Numbers<'a, T, const N: usize> {
-    a: &'a [T; N],
-    b: &'a [T; N],
-    out: &'a mut [T; N],
-}
-
-impl<T: Element, const N: usize> Site for Numbers<'_, T, N> {
-    type Row = T::Reg<pulp::Scalar>;
-    #[inline(always)]
-    fn constant(&self, _: usize) -> Self::Row {
-        unreachable!("the text by the tensor has literals")
-    }
-    #[inline(always)]
-    fn literal(&self, value: f64) -> Self::Row {
-        T::splat(pulp::Scalar::new(), T::of(value))
-    }
-    #[inline(always)]
-    fn a(&self, i: usize) -> Self::Row {
-        T::splat(pulp::Scalar::new(), self.a[i])
-    }
-    #[inline(always)]
-    fn b(&self, i: usize) -> Self::Row {
-        T::splat(pulp::Scalar::new(), self.b[i])
-    }
-    #[inline(always)]
-    fn give(&mut self, i: usize, value: Self::Row) {
-        T::store::<pulp::Scalar>(&mut self.out[i..=i], value);
-    }
+/// Whether the text is the one by the tensor. That has no constants of nodes, and is run with `c` = 1.
+pub(super) const fn by_tensor(c: usize) -> bool {
+    c == 1
 }
 
 /// One call of a kernel.
@@ -294,11 +232,8 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
     fn with_simd<S: Simd>(self, simd: S) {
         align_stack();
         let count = self.count;
-        if count == 0 {
-            return;
-        }
         if count < T::lanes::<S>() {
-            return self.few(simd);
+            return self.few();
         }
         let factors = [self.a, if SQUARE { self.a } else { self.b }];
         let mut whole = Whole { count, factors, out: self.out };
@@ -314,8 +249,7 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
 const FEW_ROWS: usize = 4;
 
 impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool> Call<'_, K, T, N, C, SQUARE> {
-    /// The text by the tensor is run with `C` = 1: it has no constants of nodes.
-    const BY_TENSOR: bool = C == 1;
+    const BY_TENSOR: bool = by_tensor(C);
 
     /// The last block overlaps the one before rather than be narrower.
     #[inline(always)]
@@ -353,65 +287,17 @@ impl<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bool
         }
     }
 
-    /// One vector or a few, fewer than a register has lanes.
-    #[inline(always)]
-    fn few<S: Simd>(self, simd: S) {
+    /// Fewer vectors than a register has lanes.
+    #[inline(never)]
+    fn few(self) {
         let (count, b) = (self.count, if SQUARE { self.a } else { self.b });
-        if let ([Some(a), Some(b)], Some(out), 1) =
-            ([self.a, b].map(|x| x.first_chunk::<N>()), self.out.first_chunk_mut::<N>(), count)
-        {
-            // Known lengths need no checks.
-            return Self::one(simd, self.constants, [a, b], out);
-        }
         for v in 0..count {
             let [a, b] = [self.a, b].map(|x| std::array::from_fn(|i| x[i * count + v]));
             let mut out = [T::zero(); N];
-            Self::one(simd, self.constants, [&a, &b], &mut out);
+            one::<K, T, N, C, SQUARE>(self.constants, [&a, &b], &mut out);
             for i in 0..N {
                 self.out[i * count + v] = out[i];
             }
-        }
-    }
-
-    #[inline(always)]
-    fn one<S: Simd>(simd: S, constants: &Constants<T>, [a, b]: [&[T; N]; 2], out: &mut [T; N]) {
-        if Self::BY_TENSOR {
-            pair::<K, _, SQUARE>(&mut Numbers { a, b, out });
-        } else {
-            Self::single(simd, constants, a, b, out);
-        }
-    }
-
-    /// One vector by quadrature: nodes in lanes, added up in the order of the nodes.
-    #[inline(always)]
-    fn single<S: Simd>(simd: S, constants: &Constants<T>, a: &[T; N], b: &[T; N], out: &mut [T; N]) {
-        let scalar = pulp::Scalar::new();
-        let mut parts = [[T::zero(); MOST_PAIRS]; N];
-        let (rows, pairs) = (constants.rows.as_chunks().0, constants.pairs.len() / C);
-        for first in (0..pairs).step_by(T::lanes::<S>()) {
-            pair::<K, _, SQUARE>(&mut Nodes { simd, first, rows: &rows[..C], a, b, out: &mut parts });
-        }
-        let mut sums = [T::zero(); N];
-        if let Some(poles) = constants.poles.first_chunk::<C>() {
-            let zero = T::splat(scalar, T::zero());
-            let (mut lane_a, mut lane_b, mut lane_out) = ([zero; N], [zero; N], [zero; N]);
-            for i in 0..N {
-                (lane_a[i], lane_b[i]) = (T::splat(scalar, a[i]), T::splat(scalar, b[i]));
-            }
-            let constants = poles;
-            at_poles::<K, _, SQUARE>(&mut Block::<pulp::Scalar, T, N, C> {
-                simd: scalar,
-                constants,
-                a: &lane_a,
-                b: &lane_b,
-                out: &mut lane_out,
-            });
-            for i in 0..N {
-                T::store::<pulp::Scalar>(&mut sums[i..=i], lane_out[i]);
-            }
-        }
-        for i in 0..N {
-            out[i] = parts[i][..pairs].iter().fold(sums[i], |sum, part| sum + *part);
         }
     }
 }
@@ -429,6 +315,11 @@ fn run<K: Straight, T: Element, const N: usize, const C: usize, const SQUARE: bo
     [a, b]: [&[T]; 2],
     out: &mut [T],
 ) {
+    if let ([Some(a), Some(b)], Some(out), 1) =
+        ([a, b].map(|x| x.first_chunk::<N>()), out.first_chunk_mut::<N>(), count)
+    {
+        return one::<K, T, N, C, SQUARE>(constants, [a, b], out);
+    }
     let kernel = std::marker::PhantomData::<K>;
     arch.dispatch(Call::<K, T, N, C, SQUARE> { kernel, constants, count, a, b, out });
 }

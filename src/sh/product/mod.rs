@@ -18,6 +18,8 @@ mod grid;
 mod kernel;
 mod matrix;
 mod nodes;
+mod single;
+pub(super) mod straight;
 mod table;
 
 use std::sync::OnceLock;

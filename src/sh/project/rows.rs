@@ -10,6 +10,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::Channels;
 use crate::Real;
+use crate::numeric::arch_256;
 
 /// Functions are padded to a multiple of this.
 const PAD: usize = 8;
@@ -81,7 +82,7 @@ impl<T: Real> RowTable<T> {
                 }
             }
         }
-        Self { functions, half, stride, values, arch: Arch::new() }
+        Self { functions, half, stride, values, arch: arch_256() }
     }
 
     fn row(&self, row: usize) -> &[T] {

@@ -14,13 +14,16 @@ use super::turns::{
     Flat, Poses, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
 };
 use crate::error::check_length;
-use crate::numeric::align_stack;
+use crate::numeric::{align_stack, arch_256};
 use crate::{Real, Result};
 
 /// Lanes of a block: one AVX2 register of `f32`.
 const LANES_F32: usize = 8;
 /// The same register of `f64`.
 const LANES_F64: usize = 4;
+
+/// Bands from which a single expansion fills registers of 16 `f32`: below, turning to them costs more than they save.
+const WIDE: usize = 5;
 
 /// Bands whose degrees are unrolled.
 const UNROLLED: usize = 6;
@@ -61,6 +64,8 @@ pub struct Rotator<T> {
     samples: Samples<T>,
     sampled: Option<sample::Run<T>>,
     arch: Arch,
+    /// For single expansions.
+    arch_sampled: Arch,
 }
 
 impl<T: Real> Rotator<T> {
@@ -75,7 +80,8 @@ impl<T: Real> Rotator<T> {
             table: Swap::new(bands),
             samples: Samples::new(bands.min(sample::MOST_BANDS)),
             sampled: sample::choose(bands.min(sample::MOST_BANDS)),
-            arch: Arch::new(),
+            arch: arch_256(),
+            arch_sampled: if bands < WIDE { arch_256() } else { Arch::new() },
         })
     }
 
@@ -198,7 +204,7 @@ impl<T: Real> Rotator<T> {
     #[inline(always)]
     fn one(&self, pose: &Pose<'_, T>, turns: impl FnOnce() -> Turns<T, 1>, f: &[T], out: &mut [T]) {
         match self.sampled {
-            Some(run) => run(&self.samples, self.arch, pose, f, out),
+            Some(run) => run(&self.samples, self.arch_sampled, pose, f, out),
             None => out[0] = f[0],
         }
         if self.bands > sample::MOST_BANDS {
