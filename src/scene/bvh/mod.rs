@@ -12,6 +12,8 @@ mod ray;
 mod tree;
 mod wide;
 
+use std::collections::HashSet;
+
 use nalgebra::Vector3;
 
 pub(super) use self::edge::{EDGE_TOLERANCE, edge, norm_squared, volume};
@@ -51,8 +53,10 @@ pub struct Hit {
 
 /// A bounding volume hierarchy over the faces of a mesh.
 ///
-/// It keeps its own copy of the triangles. Building is deterministic. Cost: about 1 µs a face to build, whatever the faces (many in
-/// one place, all the same, of very different sizes), 140 B a face.
+/// It keeps its own copy of the triangles. Building is deterministic. Cost: 1 to 2 µs a face to build, whatever the faces (many in
+/// one place, all the same, of very different sizes), 115 B a face. Of faces
+/// in the same place and the same way round, as careless files have them by the thousand, only the first is kept: the others hide nothing
+/// that it does not.
 ///
 /// Single rays are traced in `f64` from where they start: their accuracy is that of the origin's own coordinates and of the mesh's `f32`
 /// ones, and does not depend on how large the scene is or how far away the origin. Faces without area meet no ray, nor does a face
@@ -86,9 +90,10 @@ impl Bvh {
         let scale = scale(mesh);
         let scaled = |p: Vector3<f32>| <[f32; 3]>::from(p).map(|c| (f64::from(c) * scale) as f32);
         let triangle = |face: u32| mesh.corners(face as usize).map(scaled);
+        let mut seen = HashSet::with_capacity(mesh.faces().len());
         let mut items: Vec<Item> = (0..mesh.faces().len() as u32)
             .map(|face| (face, triangle(face)))
-            .filter(|(_, triangle)| has_area(triangle))
+            .filter(|(_, triangle)| has_area(triangle) && seen.insert(same_corners(triangle)))
             .map(|(face, triangle)| Item::new(Box3::around(&triangle), face))
             .collect();
         let nodes = tree::build(&mut items);
@@ -171,6 +176,15 @@ fn scale(mesh: &Mesh) -> f64 {
     // A positive `f32` is a normal `f64`: its exponent is in its bits.
     let exponent = (largest.to_bits() >> 52) as i32 - 1022;
     f64::from(EXPONENT - exponent).exp2()
+}
+
+/// What triangles of the same corners, and the same way round, have in common.
+fn same_corners(triangle: &[[f32; 3]; 3]) -> [[u32; 3]; 3] {
+    // −0 + 0 = 0: one set of bits for each position.
+    let mut corners = triangle.map(|p| p.map(|c| (c + 0.0).to_bits()));
+    let first = (0..3).min_by_key(|&k| corners[k]).unwrap_or(0);
+    corners.rotate_left(first);
+    corners
 }
 
 /// Whether a triangle meets any ray at all.

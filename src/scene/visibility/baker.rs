@@ -85,7 +85,7 @@ impl VisibilitySettings {
 /// The same bits for any number of threads, with and without `rayon`.
 ///
 /// Cost: 12 to 30 million rays a second a core at 64² texels a face and 200,000 faces (Zen 3, portable build), or 0.4 to
-/// 1 ms a vertex. Memory: 3 KiB a vertex at 64², and about 140 B a face of the mesh.
+/// 1 ms a vertex. Memory: 3 KiB a vertex at 64², and about 115 B a face of the mesh.
 ///
 /// # Example
 /// ```
@@ -127,7 +127,7 @@ pub struct VisibilityScratch {
 impl VisibilityBaker {
     /// A plan for every vertex of a mesh.
     ///
-    /// Cost: about 1 µs a face.
+    /// Cost: 1 to 2 µs a face.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 ≤ `settings.offset` ≤ 1.
