@@ -6,7 +6,7 @@
 //! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with float colours | own reader |
 //! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `gltf` for the JSON, own reader for the accessors |
 //! | Radiance HDR (RGBE) | yes | yes | own reader and writer |
-//! | OpenEXR, flat images: every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
+//! | OpenEXR, flat, every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
 //! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
 //!
 //! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`] that names the file and the
@@ -17,8 +17,8 @@
 //! Every `save_…` writes a temporary file beside its target and renames it, so that an interrupted run leaves either
 //! the old file or the new one.
 //!
-//! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others are
-//! converted, with a warning. PNG alone is sRGB-encoded.
+//! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others
+//! are converted, with a warning. PNG alone is sRGB-encoded.
 //!
 //! # Example
 //! ```

@@ -72,8 +72,8 @@ impl ProjectedLight {
     /// Weights and transforms a light.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; the light
-    /// from before stays.
+    /// [`Error::OutOfRange`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; the
+    /// light from before stays.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         if light.grid() != self.grid {
             let got = light.grid().side() as f64;
