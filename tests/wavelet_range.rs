@@ -85,8 +85,8 @@ fn radiance_scales_with_the_light_over_the_whole_range() {
             for (v, (expected, got)) in expected.iter().zip(got).enumerate() {
                 for c in 0..3 {
                     let right = f64::from(expected[c]) * factor;
-                    // The same bits, times a power of two, where light and radiance are normal. Below, the light's texels
-                    // are rounded to 2⁻¹⁴⁹ each and the radiance once; texels count with 3 at most in all.
+                    // The same bits, times a power of two, where light and radiance are normal. Below, the light's
+                    // texels are rounded to 2⁻¹⁴⁹ each and the radiance once; texels count with 3 at most in all.
                     let tolerance = if exponent < -100 { 8.0 * 2f64.powi(-149) } else { 0.0 };
                     let right = right.min(f64::from(f32::MAX));
                     let off = (f64::from(got[c]) - right).abs();

@@ -22,17 +22,19 @@ pub enum EnvironmentLayout {
     Auto,
     /// Latitude–longitude map: the centre looks along −z, +x to its right, +y above. Any proportions.
     LatLong,
-    /// Unfolded cube of 4 : 3 (+Y above, −X −Z +X +Z in the middle row, −Y below the second) or 3 : 4 (+Y above, −X −Z +X
-    /// in the second row, below them −Y and, upside down, +Z). Its middle looks along −z, +x to its right.
+    /// Unfolded cube of 4 : 3 (+Y above, −X −Z +X +Z in the middle row, −Y below the second) or 3 : 4 (+Y above, −X −Z
+    /// +X in the second row, below them −Y and, upside down, +Z). Its middle looks along −z, +x to its right.
     Cross,
     /// The faces +X −X +Y −Y +Z −Z side by side or one below the other, each oriented as OpenGL samples it.
     CubeStrip,
-    /// The faces +X −X +Y −Y +Z −Z one below the other, as OpenEXR has them in a file with the attribute `envmap` = cube:
-    /// seen from inside, their outermost pixels on the edges of the cube. As OpenEXR's latitude–longitude maps have +z in
-    /// the centre, but those here −z, the cube too is turned by 180° about y: its +Z is −z here, its +X is −x.
+    /// The faces +X −X +Y −Y +Z −Z one below the other, as OpenEXR has them in a file with the attribute `envmap` =
+    /// cube: seen from inside, their outermost pixels on the edges of the cube. As OpenEXR's latitude–longitude maps
+    /// have +z in the centre, but those here −z, the cube too is turned by 180° about y: its +Z is −z here, its +X is
+    /// −x.
     OpenExrCube,
-    /// Angular map, as light probes are published [Debevec 1998]: a disc in a square; the centre looks along −z, +x to its
-    /// right, +y above, and the distance from the centre is proportional to the angle from −z, up to 180° at the rim.
+    /// Angular map, as light probes are published [Debevec 1998]: a disc in a square; the centre looks along −z, +x to
+    /// its right, +y above, and the distance from the centre is proportional to the angle from −z, up to 180° at the
+    /// rim.
     AngularMap,
     /// Mirror ball photographed from far away along −z, its outline touching the four sides of the square: the centre
     /// shows what is at +z behind the camera, the rim what is at −z behind the ball; +x is at the right, +y above.
@@ -234,11 +236,11 @@ fn along(direction: &Vector3<f64>, axis: [f64; 3]) -> f64 {
     direction.dot(&Vector3::from(axis))
 }
 
-/// The cube map of a picture of which a disc is used: `place` gives the point of the unit disc, x to the right and y up,
-/// that shows a direction.
+/// The cube map of a picture of which a disc is used: `place` gives the point of the unit disc, x to the right and y
+/// up, that shows a direction.
 ///
-/// Half as many texels along a face as pixels along the picture: in the middle of a face these are denser than the pixels
-/// in the middle of either kind of disc, 4/n radians for 2π/n and 4/n.
+/// Half as many texels along a face as pixels along the picture: in the middle of a face these are denser than the
+/// pixels in the middle of either kind of disc, 4/n radians for 2π/n and 4/n.
 fn disc(image: &Image, place: fn(&Vector3<f64>) -> [f64; 2]) -> Result<CubeMap<Vector3<f32>>> {
     let n = image.width();
     let grid = CubeGrid::new(n.div_ceil(2))?;

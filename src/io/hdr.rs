@@ -14,11 +14,11 @@ use crate::Result;
 /// Reads a Radiance HDR picture from its bytes; `name` is what messages call it.
 ///
 /// A stored pixel (r, g, b, e) is (r, g, b) · 2^(e − 136), and 0 if e = 0. Both run-length codes and all eight
-/// orientations are read. `EXPOSURE` and `COLORCORR` are undone, with a warning, so that pixels are radiance; where they
-/// are not positive numbers, they are ignored, with a warning. Pixels of other `PRIMARIES` than those of Rec. 709 are
-/// converted to these, with white adapted (Bradford), and XYZ pixels without (XYZ knows no white), with a warning; a file
-/// without `PRIMARIES` has those of Rec. 709, as nearly all such files do. The resolution ends the header, whether a blank line goes before it,
-/// as the format has it, or none or several.
+/// orientations are read. `EXPOSURE` and `COLORCORR` are undone, with a warning, so that pixels are radiance; where
+/// they are not positive numbers, they are ignored, with a warning. Pixels of other `PRIMARIES` than those of Rec. 709
+/// are converted to these, with white adapted (Bradford), and XYZ pixels without (XYZ knows no white), with a warning;
+/// a file without `PRIMARIES` has those of Rec. 709, as nearly all such files do. The resolution ends the header,
+/// whether a blank line goes before it, as the format has it, or none or several.
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line of the header or the scan line and byte offset.

@@ -6,7 +6,7 @@
 //! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with float colours | own reader |
 //! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `serde_json`, own reader of what a mesh needs |
 //! | Radiance HDR (RGBE) | yes | yes | own reader and writer |
-//! | OpenEXR, flat images: every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
+//! | OpenEXR, flat, every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
 //! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
 //!
 //! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`] that names the file and the

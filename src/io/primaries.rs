@@ -61,8 +61,8 @@ impl Primaries {
 
     /// What turns linear RGB into XYZ, white having Y = 1.
     ///
-    /// Column i is S_i (x_i, y_i, 1 − x_i − y_i), with the S for which (1, 1, 1) is white. Written without a division by
-    /// y_i, which is 0 for two of the primaries of XYZ itself. None for primaries on a line, or a white that is no
+    /// Column i is S_i (x_i, y_i, 1 − x_i − y_i), with the S for which (1, 1, 1) is white. Written without a division
+    /// by y_i, which is 0 for two of the primaries of XYZ itself. None for primaries on a line, or a white that is no
     /// mixture of positive shares of them.
     fn to_xyz(self) -> Option<Matrix3<f64>> {
         let colour = |[x, y]: [f64; 2]| Vector3::new(x, y, 1.0 - x - y);
@@ -77,8 +77,8 @@ impl Primaries {
         shares.iter().all(|s| *s > 0.0 && s.is_finite()).then(|| primaries * Matrix3::from_diagonal(&shares))
     }
 
-    /// What turns linear RGB of these primaries into that of Rec. 709; white becomes white. None if the primaries span no
-    /// colours.
+    /// What turns linear RGB of these primaries into that of Rec. 709; white becomes white. None if the primaries span
+    /// no colours.
     ///
     /// Only XYZ is taken as it is: the white of equal energy that files of it name is that of the axes, not of the
     /// picture, as OpenEXR's own examples show (XYZ.exr and Rec709.exr are one picture).

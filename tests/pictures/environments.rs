@@ -38,8 +38,8 @@ fn picture(w: usize, h: usize, f: impl Fn(usize, usize) -> V) -> Image {
     Image::new(w, h, (0..w * h).map(|i| f(i % w, i / w).cast()).collect()).unwrap()
 }
 
-/// The direction that a pixel of OpenEXR's cube shows, as its header ImfEnvmap.h has it: the outermost pixels are on the
-/// edges. In its own coordinates.
+/// The direction that a pixel of OpenEXR's cube shows, as its header ImfEnvmap.h has it: the outermost pixels are on
+/// the edges. In its own coordinates.
 fn open_exr_direction(side: usize, x: usize, y: usize) -> V {
     let at = |i: usize| if side == 1 { 0.0 } else { 2.0 * i as f64 / (side - 1) as f64 - 1.0 };
     let (a, b) = (at(x), at(y % side));

@@ -31,8 +31,8 @@ fn every_compression_type_and_block_is_read_as_the_peer_reads_it() {
                         let what = format!("{what}, pixel {i}: {got} {expected}");
                         if cosine {
                             // The peer's constants have 6 digits, and its order of sums is the processor's: the stored
-                            // half x may be the neighbour, seldom. Linear is exp(2.2 (x − 1)) with x < 4: 2.2 · 2⁻⁹, and
-                            // each is rounded to a half.
+                            // half x may be the neighbour, seldom. Linear is exp(2.2 (x − 1)) with x < 4: 2.2 · 2⁻⁹,
+                            // and each is rounded to a half.
                             cosine_samples += 1;
                             cosine_differences += usize::from(got != expected);
                             assert!(

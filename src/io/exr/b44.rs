@@ -1,4 +1,5 @@
-//! B44 and B44A: halves in squares of 4 × 4 pixels, as one value and 15 differences of 6 bits; other samples as they are.
+//! B44 and B44A: halves in squares of 4 × 4 pixels, as one value and 15 differences of 6 bits; other samples as they
+//! are.
 
 use std::sync::LazyLock;
 
@@ -75,8 +76,8 @@ fn unordered(code: u16) -> u16 {
     if code & 0x8000 != 0 { code & 0x7fff } else { !code }
 }
 
-/// By the bits of a half x: 8 ln x, to the nearest half; 0 for what is negative or not finite. Writers store exp(x / 8) of
-/// samples that are linear for the eye: of logarithms.
+/// By the bits of a half x: 8 ln x, to the nearest half; 0 for what is negative or not finite. Writers store exp(x / 8)
+/// of samples that are linear for the eye: of logarithms.
 static LOG: LazyLock<Box<[u16]>> = LazyLock::new(|| {
     let log = |bits: u16| {
         let x = f64::from(half::to_f32(bits));

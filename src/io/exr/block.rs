@@ -1,9 +1,9 @@
 //! Blocks: some scan lines or a tile, compressed by itself.
 //!
-//! Uncompressed, a block is its lines from the top; in a line, channel after channel; of a channel, sample after sample,
-//! little endian. Whatever the compressed bytes say, a decoder writes into a buffer of exactly that size, and takes
-//! memory besides for at most about as much again: every size that a block declares is checked against the size that
-//! the header gives it before anything is taken for it.
+//! Uncompressed, a block is its lines from the top; in a line, channel after channel; of a channel, sample after
+//! sample, little endian. Whatever the compressed bytes say, a decoder writes into a buffer of exactly that size, and
+//! takes memory besides for at most about as much again: every size that a block declares is checked against the size
+//! that the header gives it before anything is taken for it.
 
 use super::header::{Channel, Compression};
 use super::{b44, deflate, dwa, piz, pxr24};

@@ -33,17 +33,18 @@ use crate::Result;
 ///
 /// One flat part, scan lines or tiles; uncompressed, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA or DWAB (not HTJ2K);
 /// half, float and unsigned samples. RGB comes from the channels R, G, B, or Y alone, or from those of the only layer
-/// that has them (`layer.R` …, with a warning); all others are skipped. The picture is the display window: what the data
-/// window leaves free is black, what it has beyond is cut off, both with a warning. Of several resolutions the finest is
-/// read. Pixels whose attribute `chromaticities` names other primaries than those of Rec. 709 are converted to these, with
-/// white adapted (Bradford; not for XYZ, which knows no white), with a warning; `adoptedNeutral` and `whiteLuminance` are ignored.
+/// that has them (`layer.R` …, with a warning); all others are skipped. The picture is the display window: what the
+/// data window leaves free is black, what it has beyond is cut off, both with a warning. Of several resolutions the
+/// finest is read. Pixels whose attribute `chromaticities` names other primaries than those of Rec. 709 are converted
+/// to these, with white adapted (Bradford; not for XYZ, which knows no white), with a warning; `adoptedNeutral` and
+/// `whiteLuminance` are ignored.
 ///
 /// Memory: the picture, and one block uncompressed and once more in between.
 ///
 /// # Errors
-/// [`Error::File`](crate::Error::File) with the block or pixel: several parts, deep data, HTJ2K compression, subsampled or luminance-chroma
-/// colour, channels that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`] pixels,
-/// a display window of more than 1024 times the data window, damage of any kind.
+/// [`Error::File`](crate::Error::File) with the block or pixel: several parts, deep data, HTJ2K compression, subsampled
+/// or luminance-chroma colour, channels that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`]
+/// pixels, a display window of more than 1024 times the data window, damage of any kind.
 pub fn read_exr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
     read_tagged(bytes, name.as_ref()).map(|tagged| tagged.image)
 }
@@ -143,8 +144,9 @@ impl Layout {
         let (width, height) = (display.width, display.height);
         check_size(report, "header, display window", width, height)?;
         check_size(report, "header, data window", data.width, data.height)?;
-        // Each block has an entry of 8 bytes in the offset table and a head of at least 8 of its own. Compression at its
-        // best is DWA of one colour: a symbol of 2 bytes for 8 × 8 halves, which Deflate shortens 1032 times: 2^16.01.
+        // Each block has an entry of 8 bytes in the offset table and a head of at least 8 of its own. Compression at
+        // its best is DWA of one colour: a symbol of 2 bytes for 8 × 8 halves, which Deflate shortens 1032 times:
+        // 2^16.01.
         let raw = (data.width * data.height).checked_mul(header.pixel_size());
         let blocks = header.blocks().into_iter().product::<usize>();
         if blocks > bytes / 16 || raw.is_none_or(|raw| raw >> 17 > bytes) {
