@@ -126,14 +126,12 @@ fn where_rays_start_does_not_show() {
     ];
     for (name, mesh, allowed) in cases {
         let share = wrong(&mesh, n, 4);
-        println!("{name}: {share:.1e}");
         assert!(share <= allowed, "{name}: {share:e}");
     }
     // Measured: 1.9e-4 for the relief, none for the others. Not the table, whose legs end in it to a rounding: infinitely near they start on either side of that.
     for scene in [Procedural::TorusKnotOnFloor, Procedural::StackedSpheres, Procedural::BasRelief] {
         let mesh = scene.build(1_000).unwrap().mesh;
         let share = wrong(&mesh, mesh.positions().len(), 37);
-        println!("{}: {share:.1e}", scene.name());
         assert!(share <= 9e-4, "{}: {share:e}", scene.name());
     }
 }
@@ -159,7 +157,6 @@ fn long_faces_at_a_vertex_do_not_harm_it() {
         let mesh = Mesh::new(positions, faces).unwrap();
         assert!(mesh.normals()[9].y > 0.9);
         let share = wrong(&mesh, 13, 1);
-        println!("{size:e}: {share:.1e}");
         assert!(share <= 1e-4, "{size}: {share:e}");
     }
 }
@@ -190,7 +187,6 @@ fn light_is_right_whatever_the_scene() {
             }
         });
         let error = rel_l2(&shade(&mesh, &twin), &baked).unwrap();
-        println!("{distance:e}: {error:.1e}, without the triangle {:.1e}", rel_l2(&alone, &baked).unwrap());
         assert!(error <= 2e-4, "{distance:e}: {error}");
         // The triangle itself hides a few texels.
         assert!(rel_l2(&alone, &baked).unwrap() <= 1e-2);
