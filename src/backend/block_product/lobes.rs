@@ -5,9 +5,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::bounds::{
-    Checks, Errors, Gauge, Limits, MirrorBounds, Symmetry, WideBounds, WideNodes, local_axes, offset,
-};
+use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, Symmetry, WideBounds, WideNodes, local_axes, offset};
 use super::rule::Rule;
 use super::tables::Radii;
 use crate::Result;
@@ -259,8 +257,7 @@ impl Planner {
                 WideNodes::measure(gauge, symmetry, |wo| model.kernel(&axes, wo).expect(ABOVE))
             }
             Kind::CookTorrance => {
-                let model =
-                    CookTorrance::new([f0_at(f0); 3], alpha_at(u, symmetry), alpha_at(v, symmetry))?;
+                let model = CookTorrance::new([f0_at(f0); 3], alpha_at(u, symmetry), alpha_at(v, symmetry))?;
                 WideNodes::measure(gauge, symmetry, |wo| match model.facets(&axes, wo).expect(ABOVE) {
                     Reflectance::Grey(kernel) => kernel,
                     Reflectance::Coloured(_) => unreachable!("three equal channels are grey"),

@@ -134,8 +134,7 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     #[inline(always)]
     fn cosines_of_partly(&mut self, course: usize) {
         let (block, len) = (self.block(course), self.light.layout().block_len());
-        let (eights, ninths) =
-            (&self.light.moments[course * len..][..len], &self.light.ninths[course * len..][..len]);
+        let (eights, ninths) = (&self.light.moments[course * len..][..len], &self.light.ninths[course * len..][..len]);
         let sums = self.maps.moments(self.first + block, MomentTable { eights, ninths });
         self.push_cosines(block, &sums);
     }

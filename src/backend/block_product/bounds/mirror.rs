@@ -28,9 +28,8 @@ impl MirrorBounds {
                 let (s, c) = theta.sin_cos();
                 let mirror = Vector3::new(s * azimuth.cos(), s * azimuth.sin(), c);
                 for shape in &gauge.shapes {
-                    let lobe = |d: &Vector3<f64>| {
-                        d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0)
-                    };
+                    let lobe =
+                        |d: &Vector3<f64>| d * mirror.dot(d).max(0.0).powf(exponent) * f64::from(mirror.dot(d) > 0.0);
                     most = most.worst(gauge.errors(shape, lobe));
                 }
             }

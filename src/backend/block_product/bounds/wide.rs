@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use nalgebra::Vector3;
 
 use super::cell_of;
-use super::errors::{Codes, STEPS, code};
+use super::errors::{Checks, Codes, STEPS, code};
 use super::gauge::{Gauge, Probe};
 use super::lanes::{self, larger};
 use crate::scene::{Axes, Kernel, narrow};
@@ -98,7 +98,8 @@ impl Grid {
 
     /// The centre of a block at a node of a slice, and sin(θ/2) of its angle to the mirror direction.
     fn centre(&self, [x, y, mirror]: &[Vector3<f64>; 3], place: usize) -> Option<(Vector3<f64>, f64)> {
-        let (row, column, reach) = ((place / self.columns()) as f64, (place % self.columns()) as f64, self.reach as f64);
+        let (row, column, reach) =
+            ((place / self.columns()) as f64, (place % self.columns()) as f64, self.reach as f64);
         let middle = if self.symmetry == Symmetry::Turned { 0.0 } else { reach };
         let (a, b) = ((column - reach) / reach, (row - middle) / reach);
         let square = a * a + b * b;
@@ -209,6 +210,8 @@ impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Measuring<'_, N, K> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         let Self { grid, axes, kernel, gauge, groups, entries } = self;
+        // A tenth, because errors are measured at single places; twice if nothing is known of what lies between them.
+        let margin = if K::APART { 2.0 } else { 1.1 };
         let mirror = axes[2];
         let peak = kernel.value(narrow(&mirror), mirror.z as f32).into_iter().fold(0.0, larger);
         for (group, entries) in entries.chunks_exact_mut(grid.plane()).enumerate() {
@@ -226,8 +229,8 @@ impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Measuring<'_, N, K> {
                         *largest = larger(*largest, *error);
                     }
                 }
-                // A tenth more; never exactly none, as not every pixel was probed.
-                *entry = largest.map(|errors| errors.map(|error| code(1.1 * f64::from(error)).max(1)));
+                // Never exactly none, as not every pixel was probed.
+                *entry = largest.map(|errors| errors.map(|error| code(margin * f64::from(error)).max(1)));
             }
         }
     }
@@ -305,7 +308,8 @@ fn increase(plane: &[Entry], columns: usize, to: &mut Vec<Codes>) {
             let corners = [0, 1, columns, columns + 1].map(|next| row * columns + column + next);
             for k in 0..12 {
                 let code = |at: usize| plane[at].as_flattened()[k];
-                let (lowest, highest) = corners.iter().fold((u16::MAX, 0), |(low, high), &at| (code(at).min(low), code(at).max(high)));
+                let (lowest, highest) =
+                    corners.iter().fold((u16::MAX, 0), |(low, high), &at| (code(at).min(low), code(at).max(high)));
                 let range = u32::from(highest - lowest);
                 let margin = (range * range).div_ceil(CURVED);
                 for at in corners {
@@ -339,7 +343,12 @@ pub(in crate::backend::block_product) struct Place(u32);
 impl WideView<'_> {
     /// The places of blocks whose centres and groups are given.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn find(&self, [x, y, z]: &[Vec<f32>; 3], groups: &[u8], places: &mut [Place]) {
+    pub(in crate::backend::block_product) fn find(
+        &self,
+        [x, y, z]: &[Vec<f32>; 3],
+        groups: &[u8],
+        places: &mut [Place],
+    ) {
         let Grid { symmetry, reach, .. } = self.grid;
         let (columns, plane) = (self.grid.columns() as u32, self.grid.plane() as u32);
         let is_half = symmetry == Symmetry::Turned;
@@ -359,14 +368,21 @@ impl WideView<'_> {
         }
     }
 
-    /// The errors at a place.
+    /// The fewest samples of a block at a place: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn codes(&self, Place(place): Place) -> Codes {
+    pub(in crate::backend::block_product) fn class(&self, Place(place): Place, checks: &Checks, free: bool) -> u8 {
+        let (corners, weights) = self.corners(place);
+        Codes::class_between(corners, weights, checks, free)
+    }
+
+    /// The nodes about a place, and their weights.
+    #[inline(always)]
+    fn corners(&self, place: u32) -> ([&Codes; 4], [u64; 4]) {
         let (at, row, column) = ((place >> 6) as usize, u64::from(place >> 3 & 7), u64::from(place & 7));
         let (columns, fine) = (self.grid.columns(), u64::from(FINE));
         let near = &self.entries[at..][..columns + 2];
         let weights = [(fine - row) * (fine - column), (fine - row) * column, row * (fine - column), row * column];
-        Codes::between([&near[0], &near[1], &near[columns], &near[columns + 1]], weights)
+        ([&near[0], &near[1], &near[columns], &near[columns + 1]], weights)
     }
 }
 
@@ -409,6 +425,7 @@ mod tests {
     use nalgebra::{Rotation3, Unit};
 
     use super::super::errors::Errors;
+    use super::super::gauge::LEFT_OUT;
     use super::*;
     use crate::backend::block_product::interpolation::{Basis, Interpolation};
     use crate::backend::block_product::layout::BlockLayout;
@@ -439,7 +456,8 @@ mod tests {
             let height = lowest + (1.0 - lowest) * random(11 * i + 5);
             let flat = (1.0 - height * height).sqrt();
             let centre = Vector3::new(flat * turn(2).cos(), flat * turn(2).sin(), height);
-            let to = Rotation3::rotation_between(&Vector3::z_axis(), &Unit::new_normalize(centre)).expect("not opposite");
+            let to =
+                Rotation3::rotation_between(&Vector3::z_axis(), &Unit::new_normalize(centre)).expect("not opposite");
             let to = to * Rotation3::from_axis_angle(&Vector3::z_axis(), turn(3));
             let exact: Errors = gauge.errors(&gauge.shapes[shape], |d| {
                 let wi = to * d;
@@ -451,11 +469,13 @@ mod tests {
             let mut place = [Place::default()];
             let centre = [centre.x, centre.y, centre.z].map(|x| vec![x as f32]);
             view.find(&centre, &[group as u8], &mut place);
-            let got = view.codes(place[0]).all();
+            let (corners, weights) = view.corners(place[0].0);
+            let got = Codes::between(corners, weights).all();
             for (k, want) in Codes::exactly(exact).all().into_iter().enumerate() {
                 // What is smaller than anything that is ever allowed says nothing.
                 if want > 400 {
-                    let octaves = (f64::from(got[k]) - f64::from(want)) / STEPS;
+                    let less = if k % 4 == 0 { f64::from(LEFT_OUT).log2() } else { 0.0 };
+                    let octaves = (f64::from(got[k]) - f64::from(want)) / STEPS - less;
                     least[k] = octaves.min(least[k]);
                     (sum, count) = (sum + octaves, count + 1.0);
                 }
@@ -487,7 +507,7 @@ mod tests {
         }
         for (least, mean) in all {
             assert!(least.iter().all(|&least| least >= -1.0), "a table is too low by {least:?} octaves");
-            assert!(mean <= 1.5, "a table is too high by {mean} octaves");
+            assert!(mean <= 4.0, "a table is too high by {mean} octaves");
         }
     }
 }
