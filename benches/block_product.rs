@@ -14,7 +14,7 @@ use haarmonic::scene::{
 use haarmonic::sphere::{CubeGrid, CubeMap};
 use haarmonic_benches::Jobs;
 
-const VERTICES: usize = 1500;
+const VERTICES: usize = 6000;
 
 /// The parts of the table scene: floor, table, chairs, railing, fruit.
 const MATERIALS: [(&str, [&str; 5]); 8] = [

@@ -186,14 +186,17 @@ fn lobes_about_the_half_vector_are_as_good() {
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
     let truth = shot.truth();
     let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
+    let mut short = Vec::new();
     for (k, name) in names.iter().enumerate() {
         let of: (Vec<_>, Vec<_>) = truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(names.len()).unzip();
         let psnr = Comparison::new(&of.0, &of.1).unwrap().psnr_db;
         let worst = worst(&of.1, &of.0, 0.1 * mean(&light), &transport);
         println!("{name}: {psnr:.1} dB, worst {worst:.3}");
-        assert!(psnr >= 45.0, "{name}: {psnr:.1} dB");
-        assert!(worst <= 0.25, "{name}: {worst} of what is allowed");
+        if !(psnr >= 45.0 && worst <= 0.1) {
+            short.push(format!("{name}: {psnr:.1} dB, {worst:.3} of what is allowed"));
+        }
     }
+    assert!(short.is_empty(), "{short:?}");
 }
 
 /// The texel that a vertex shows its viewer as a mirror does.

@@ -358,7 +358,7 @@ impl pulp::WithSimd for Classes<'_> {
         self.view.find(self.centres, self.groups, self.places);
         self.cases.set(self.live, |live| {
             let block = live.block as usize;
-            self.view.codes(self.places[block]).class(&self.checks[block], live.free)
+            self.view.class(self.places[block], &self.checks[block], live.free)
         });
     }
 }

@@ -71,15 +71,27 @@ impl Codes {
         Self { rms, bias, mean }
     }
 
-    /// What lies between four, rounded up; the weights add up to 64.
+    /// [`class`](Self::class) of what lies between four, rounded up; the weights add up to 64.
     #[inline(always)]
-    pub(super) fn between(four: [&Self; 4], weights: [u64; 4]) -> Self {
+    pub(super) fn class_between(four: [&Self; 4], weights: [u64; 4], checks: &Checks, free: bool) -> u8 {
         let [a, b, c, d] = four;
-        Self {
-            rms: Four::between([a.rms, b.rms, c.rms, d.rms], weights),
-            bias: Four::between([a.bias, b.bias, c.bias, d.bias], weights),
-            mean: Four::between([a.mean, b.mean, c.mean, d.mean], weights),
-        }
+        let rms = Four::between([a.rms, b.rms, c.rms, d.rms], weights);
+        // A block is asked for two of the three.
+        let other = |codes: &Self| if free { codes.bias } else { codes.mean };
+        let other = Four::between([other(a), other(b), other(c), other(d)], weights);
+        let holds = if free {
+            checks.bias.holds(other) & checks.deviation.holds(rms)
+        } else {
+            checks.rms.holds(rms) | checks.mean.holds(other)
+        };
+        (holds.trailing_zeros() / 16) as u8
+    }
+
+    /// What lies between four.
+    #[cfg(test)]
+    pub(super) fn between(four: [&Self; 4], weights: [u64; 4]) -> Self {
+        let part = |part: fn(&Self) -> Four| Four::between(four.map(part), weights);
+        Self { rms: part(|codes| codes.rms), bias: part(|codes| codes.bias), mean: part(|codes| codes.mean) }
     }
 
     pub(super) fn worse(self, other: Self) -> Self {

@@ -92,6 +92,11 @@ pub(in crate::backend::block_product) struct Gauge {
     pub(super) all: Vec<Vec<Probe>>,
 }
 
+/// How much less may be left out of a block of a lobe about the half vector than of one about the mirror direction: its tails are
+/// long, so that most blocks would leave out as much as they may, all of one sign. A GGX lobe of roughness .1 gains 4.4 dB, for a
+/// tenth of the time.
+pub(super) const LEFT_OUT: f32 = 4.0;
+
 /// Groups of shapes that are told apart.
 const GROUPS: usize = 3;
 
@@ -156,7 +161,7 @@ impl Gauge {
         let is_missed = rms[0] < missed || peak.is_infinite();
         let mut errors = [[0.0; 4]; 3];
         for k in 0..4 {
-            let weight = if k == 0 { self.spread as f32 } else { 1.0 };
+            let weight = if k == 0 { self.spread as f32 * LEFT_OUT } else { 1.0 };
             let floor = if is_missed { missed } else { 0.0 };
             let pixel = floor / self.side as f32;
             errors[0][k] = (rms[k] * weight).max(floor);
