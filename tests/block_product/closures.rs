@@ -36,10 +36,10 @@ fn a_constant_closure_is_exact() {
     }
 }
 
-/// The same lobe as a model and as a closure of it has the same error, about.
+/// The same lobe as a model and as a closure of it is about as good, and so are closures of other kinds.
 #[test]
 fn a_closure_is_as_good_as_its_model() {
-    let model = Procedural::Table.build(2000).unwrap();
+    let model = Procedural::Table.build(1000).unwrap();
     let view = View::eye(model.camera.eye().cast()).unwrap();
     let maps = baker(&model.mesh, 64).bake(&()).unwrap();
     let transport = Transport::from_binary(&maps, &model.mesh, &layout(64, 16, ScanOrder::Serpentine)).unwrap();
@@ -53,26 +53,19 @@ fn a_closure_is_as_good_as_its_model() {
         let h = (wi + wo).normalize();
         Vector3::repeat(0.05 + 0.6 * (-(h.x / 0.2).powi(2) - (h.y / 0.6).powi(2)).exp())
     };
-    let lobes = [
-        lobe(ggx),
-        lobe(BrdfFn::new(move |wi: &Vector3<f64>, wo: &Vector3<f64>| ggx.eval(wi, wo))),
-        lobe(BrdfFn::new(glossy)),
-        lobe(BrdfFn::new(brushed)),
-    ];
-    let materials = in_turn(&lobes, model.mesh.positions().len());
-    let truth = GroundTruth { mesh: &model.mesh, materials: &materials, view: &view, light: &light };
-    let truth = truth.radiance(&TexelVisibility::Binary(&maps), &()).unwrap();
-    let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
-    let errors: Vec<f64> = (0..lobes.len())
-        .map(|k| {
-            let of: (Vec<_>, Vec<_>) =
-                truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(lobes.len()).unzip();
-            Comparison::new(&of.0, &of.1).unwrap().rel_l2
-        })
-        .collect();
-    println!("{errors:?}");
-    assert!(errors[1] <= errors[0], "a closure of GGX is worse than GGX: {errors:?}");
-    assert!(errors.iter().all(|&error| error <= 2e-2), "{errors:?}");
+    let error = |brdf: Arc<dyn Brdf>| {
+        let materials = in_turn(&[brdf], model.mesh.positions().len());
+        let truth = GroundTruth { mesh: &model.mesh, materials: &materials, view: &view, light: &light };
+        let truth = truth.radiance(&TexelVisibility::Binary(&maps), &()).unwrap();
+        let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
+        Comparison::new(&truth, &got).unwrap().rel_l2
+    };
+    let of_model = error(lobe(ggx));
+    let of_closure = error(lobe(BrdfFn::new(move |wi: &Vector3<f64>, wo: &Vector3<f64>| ggx.eval(wi, wo))));
+    let [glossy, brushed] = [error(lobe(BrdfFn::new(glossy))), error(lobe(BrdfFn::new(brushed)))];
+    println!("model {of_model:.4}, closure {of_closure:.4}, glossy {glossy:.4}, brushed {brushed:.4}");
+    assert!(of_closure <= 1.5 * of_model, "a closure of GGX: {of_closure}, GGX: {of_model}");
+    assert!(glossy <= 1e-2 && brushed <= 1e-2, "{glossy} {brushed}");
 }
 
 /// NaN is no light: no rule makes something plausible of it.
