@@ -53,7 +53,7 @@ pub struct Hit {
 
 /// A bounding volume hierarchy over the faces of a mesh.
 ///
-/// It keeps its own copy of the triangles. Building is deterministic. Cost: 1 to 2 µs a face to build, whatever the faces (many in
+/// It keeps its own copy of the triangles. Building is deterministic. Cost: about 1 µs a face to build, whatever the faces (many in
 /// one place, all the same, of very different sizes), 115 B a face. Of faces
 /// in the same place and the same way round, as careless files have them by the thousand, only the first is kept: the others hide nothing
 /// that it does not.

@@ -127,7 +127,7 @@ pub struct VisibilityScratch {
 impl VisibilityBaker {
     /// A plan for every vertex of a mesh.
     ///
-    /// Cost: 1 to 2 µs a face.
+    /// Cost: about 1 µs a face.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 ≤ `settings.offset` ≤ 1.
