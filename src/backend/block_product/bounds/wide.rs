@@ -373,7 +373,7 @@ impl WideView<'_> {
             let column = steps(a * scale + fine, last);
             let row = steps(if is_half { b.abs() * scale } else { b * scale + fine }, last_row);
             let at = u32::from(group) * whole + row / FINE * columns + column / FINE;
-            *place = Place(at << 6 | (row % FINE) << 3 | column % FINE);
+            *place = Place(at << 6 | (row % FINE) << 3 | (column % FINE));
         }
     }
 
