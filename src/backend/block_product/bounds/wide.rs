@@ -511,7 +511,6 @@ mod tests {
             let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
             let nodes = WideNodes::measure(&gauge, symmetry, |wo| ward.kernel(&axes, wo).unwrap());
             let of_ward = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ward.eval(wi, wo).x / ward.factor().x);
-            println!("{alpha:?}: GGX {of_ggx:?}, Ward {of_ward:?}");
             all.extend([of_ggx, of_ward]);
         }
         for (least, mean) in all {
