@@ -162,6 +162,7 @@ fn the_default_is_better_than_45_db() {
 
 /// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is off.
 #[test]
+#[expect(clippy::print_stdout, reason = "the table of docs/block_product.md")]
 fn lobes_about_the_half_vector_are_as_good() {
     let model = Procedural::Table.build(4000).unwrap();
     let view = View::eye(model.camera.eye().cast()).unwrap();

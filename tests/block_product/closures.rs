@@ -63,7 +63,7 @@ fn a_closure_is_as_good_as_its_model() {
     let of_model = error(lobe(ggx));
     let of_closure = error(lobe(BrdfFn::new(move |wi: &Vector3<f64>, wo: &Vector3<f64>| ggx.eval(wi, wo))));
     let [glossy, brushed] = [error(lobe(BrdfFn::new(glossy))), error(lobe(BrdfFn::new(brushed)))];
-    println!("model {of_model:.4}, closure {of_closure:.4}, glossy {glossy:.4}, brushed {brushed:.4}");
+    // Measured .0153 and .0160, .0070, .0063.
     assert!(of_closure <= 1.5 * of_model, "a closure of GGX: {of_closure}, GGX: {of_model}");
     assert!(glossy <= 1e-2 && brushed <= 1e-2, "{glossy} {brushed}");
 }

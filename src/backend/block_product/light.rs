@@ -49,8 +49,8 @@ pub struct LightForms {
     is_dark: bool,
 }
 
-/// Lights whose largest radiance is not between these powers of two are scaled until it is: below, radiance × solid angle would be
-/// denormal; above, sums in `f32` could overflow although what comes of them fits.
+/// Lights whose largest radiance is not between these powers of two are scaled until it is: below, radiance × solid
+/// angle would be denormal; above, sums in `f32` could overflow although what comes of them fits.
 const ORDINARY: std::ops::RangeInclusive<i32> = -40..=90;
 
 /// The power of two that makes a light ordinary.
@@ -127,7 +127,8 @@ impl LightForms {
         weights + size_of_val(&self.texels[..]) + size_of_val(&self.nodes[..]) + moments
     }
 
-    /// What all forms are to be multiplied with: 1, or a power of two if the light's largest radiance is below 2⁻⁴⁰ or above 2⁹⁰.
+    /// What all forms are to be multiplied with: 1, or a power of two if the light's largest radiance is below 2⁻⁴⁰ or
+    /// above 2⁹⁰.
     pub fn scale(&self) -> f64 {
         self.scale
     }

@@ -151,8 +151,8 @@ impl<'a> Relighter<'a> {
         &self.light
     }
 
-    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black; radiance beyond
-    /// [`f32::MAX`] is held there.
+    /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black;
+    /// radiance beyond [`f32::MAX`] is held there.
     ///
     /// Materials that were not in the last frame cost their tables of errors first: tens of milliseconds for each new
     /// exponent or isotropic lobe about the half vector, some hundreds for an anisotropic one or a closure.

@@ -18,8 +18,8 @@ pub(crate) trait Kernel<const N: usize>: Copy {
     /// Whether a reflectance that is nearly constant is to be told apart from the cosine; see [`apart`](Self::apart).
     const APART: bool = false;
     fn value(&self, d: [f32; 3], z: f32) -> [f32; N];
-    /// The same for z > 0; below the horizon z times the reflectance at it, so that neither value nor slope jumps: what lies
-    /// between samples on both sides is smooth where it counts.
+    /// The same for z > 0; below the horizon z times the reflectance at it, so that neither value nor slope jumps: what
+    /// lies between samples on both sides is smooth where it counts.
     fn continued(&self, d: [f32; 3], z: f32) -> [f32; N];
     /// f without the cosine, at the horizon for what is below it.
     fn apart(&self, d: [f32; 3], z: f32) -> [f32; N] {

@@ -92,9 +92,9 @@ pub(in crate::backend::block_product) struct Gauge {
     pub(super) all: Vec<Vec<Probe>>,
 }
 
-/// How much less may be left out of a block of a lobe about the half vector than of one about the mirror direction: its tails are
-/// long, so that most blocks would leave out as much as they may, all of one sign. A GGX lobe of roughness .1 gains 4.4 dB, for a
-/// tenth of the time.
+/// How much less may be left out of a block of a lobe about the half vector than of one about the mirror direction: its
+/// tails are long, so that most blocks would leave out as much as they may, all of one sign. A GGX lobe of roughness .1
+/// gains 4.4 dB, for a tenth of the time.
 pub(super) const LEFT_OUT: f32 = 4.0;
 
 /// Groups of shapes that are told apart.
@@ -152,8 +152,8 @@ impl Gauge {
 
     /// What sums over a probe make: rms, bias and mean of 0, 1, 4 and 16 samples.
     ///
-    /// `peak` is what the lobe reaches in the block, if it may have been missed. A mean error that cancels at one place or turn of the
-    /// block does not at the next: it is taken for an eighth of the root mean square at least.
+    /// `peak` is what the lobe reaches in the block, if it may have been missed. A mean error that cancels at one place
+    /// or turn of the block does not at the next: it is taken for an eighth of the root mean square at least.
     pub(super) fn errors_of(&self, sums: &Sums, probe: &Probe, peak: f32) -> [[f32; 4]; 3] {
         let count = (probe.pixels.len() * GROUP) as f32;
         let missed = peak / self.side as f32;

@@ -11,8 +11,8 @@ pub(super) type Lanes = [f32; GROUP];
 /// Eights of pixels of the largest probe.
 pub(super) const MOST: usize = 32;
 
-/// Σ e², Σ e and Σ |e| of 0, 1, 4 and 16 samples over the probed pixels of a block that are above the horizon, each the largest
-/// of all channels. The normal is +z.
+/// Σ e², Σ e and Σ |e| of 0, 1, 4 and 16 samples over the probed pixels of a block that are above the horizon, each the
+/// largest of all channels. The normal is +z.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sums {
     pub(super) squares: [f32; 4],

@@ -13,6 +13,7 @@
 
 mod errors;
 mod gauge;
+mod grid;
 mod lanes;
 mod mirror;
 mod wide;
@@ -22,8 +23,9 @@ use rayon::prelude::*;
 
 pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
+pub(super) use grid::Symmetry;
 pub(super) use mirror::MirrorBounds;
-pub(super) use wide::{Place, Symmetry, WideBounds, WideNodes, WideView, local_axes};
+pub(super) use wide::{Place, WideBounds, WideNodes, WideView, local_axes};
 
 /// Runs `one` for 0…count, in parallel.
 fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors> {

@@ -1,11 +1,12 @@
 //! Errors of lobes of any kind.
 //!
-//! A table has a slice for each cell of the viewer's direction and each group of shapes of blocks. A slice is laid out about the
-//! mirror direction m: a block's centre d lies in it at (x, y) sin(θ/2), θ the angle to m and (x, y) the direction from m to d,
-//! x along the plane of incidence. So a lobe stays in its place as the viewer moves, and only its shape changes.
-//! A slice holds the larger errors of the corners of the viewer's cell and is read off bilinearly. Logarithms of a lobe are concave about
-//! its peak, and what lies between two of them that differ by R octaves may be larger than their mean by R/4 (a Gaussian's). They are
-//! increased by R²/8, up to the larger one, which with the octave that all errors are increased by is always as much.
+//! A table has a slice for each cell of the viewer's direction and each group of shapes of blocks. A slice is laid out
+//! about the mirror direction m: a block's centre d lies in it at (x, y) sin(θ/2), θ the angle to m and (x, y) the
+//! direction from m to d, x along the plane of incidence. So a lobe stays in its place as the viewer moves, and only
+//! its shape changes. A slice holds the larger errors of the corners of the viewer's cell and is read off bilinearly.
+//! Logarithms of a lobe are concave about its peak, and what lies between two of them that differ by R octaves may be
+//! larger than their mean by R/4 (a Gaussian's). They are increased by R²/8, up to the larger one, which with the
+//! octave that all errors are increased by is always as much.
 
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
@@ -15,135 +16,24 @@ use nalgebra::Vector3;
 use super::cell_of;
 use super::errors::{Checks, Codes, STEPS, code};
 use super::gauge::{Gauge, Probe};
+use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
 use super::lanes::{self, larger};
 use crate::scene::{Axes, Kernel, narrow};
-
-/// What a BRDF stays the same under.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub(in crate::backend::block_product) enum Symmetry {
-    /// Turning about the normal, and mirroring.
-    Turned,
-    /// Mirroring the tangent, and the bitangent.
-    Mirrored,
-    /// Nothing.
-    None,
-}
-
-/// How a table is cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Grid {
-    symmetry: Symmetry,
-    /// Cells along the viewer's elevation and azimuth.
-    elevations: usize,
-    azimuths: usize,
-    /// Cells from the mirror direction to its opposite.
-    reach: usize,
-    groups: usize,
-}
 
 /// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
 type Entry = [[u16; 4]; 3];
 
 const NONE: Entry = [[1; 4]; 3];
 
-/// Errors are measured at single places of the viewer and the block: with twice as much, no error of a whole block at some other place was
-/// found above its table (a test).
+/// Errors are measured at single places of the viewer and the block: with twice as much, no error of a whole block at
+/// some other place was found above its table (a test).
 const MARGIN: f64 = 2.0;
 
 /// The root mean square error of one sample, over that of none, that is rounding.
 const EXACT: f32 = 1e-5;
 
-/// Viewers below this cosine to the normal are in no table: lobes become too narrow there.
-const LEAST: f64 = 0.005;
-
 /// Steps between two nodes of a slice.
 const FINE: u32 = 8;
-
-impl Grid {
-    fn of(symmetry: Symmetry, groups: usize) -> Self {
-        let (elevations, azimuths, reach) = match symmetry {
-            Symmetry::Turned => (32, 1, 20),
-            Symmetry::Mirrored => (16, 6, 16),
-            Symmetry::None => (10, 16, 12),
-        };
-        Self { symmetry, elevations, azimuths, reach, groups }
-    }
-
-    fn columns(&self) -> usize {
-        2 * self.reach + 1
-    }
-
-    fn rows(&self) -> usize {
-        if self.symmetry == Symmetry::Turned { self.reach + 1 } else { self.columns() }
-    }
-
-    /// Entries of a slice, of one group.
-    fn plane(&self) -> usize {
-        self.rows() * self.columns()
-    }
-
-    /// Nodes along the viewer's azimuth.
-    fn turns(&self) -> usize {
-        match self.symmetry {
-            Symmetry::Turned => 1,
-            Symmetry::Mirrored => self.azimuths + 1,
-            Symmetry::None => self.azimuths,
-        }
-    }
-
-    /// The viewer of a node.
-    fn viewer(&self, node: usize) -> Viewer {
-        let (elevation, turn) = (node / self.turns(), node % self.turns());
-        let z = (1.0 - (elevation as f64 / self.elevations as f64).powi(2)).max(LEAST);
-        let along = match self.symmetry {
-            Symmetry::Turned => [1.0, 0.0],
-            Symmetry::Mirrored => on_square(turn as f64 / self.azimuths as f64),
-            Symmetry::None => on_square(4.0 * turn as f64 / self.azimuths as f64),
-        };
-        Viewer { along, flat: (1.0 - z * z).sqrt(), z }
-    }
-
-    /// The centre of a block at a node of a slice, and sin(θ/2) of its angle to the mirror direction.
-    fn centre(&self, [x, y, mirror]: &[Vector3<f64>; 3], place: usize) -> Option<(Vector3<f64>, f64)> {
-        let (row, column, reach) =
-            ((place / self.columns()) as f64, (place % self.columns()) as f64, self.reach as f64);
-        let middle = if self.symmetry == Symmetry::Turned { 0.0 } else { reach };
-        let (a, b) = ((column - reach) / reach, (row - middle) / reach);
-        let square = a * a + b * b;
-        let scale = 2.0 * (1.0 - square).max(0.0).sqrt();
-        (square <= 1.0).then(|| (x * (scale * a) + y * (scale * b) + mirror * (1.0 - 2.0 * square), square.sqrt()))
-    }
-
-    /// The nodes at the corners of a cell.
-    fn corners(&self, cell: usize) -> [usize; 4] {
-        let (elevation, azimuth) = (cell / self.azimuths, cell % self.azimuths);
-        let (turns, next) = (self.turns(), (azimuth + 1) % self.turns());
-        let [low, high] = [elevation * turns, (elevation + 1) * turns];
-        [low + azimuth, low + next, high + azimuth, high + next]
-    }
-}
-
-/// A viewer's direction: azimuth, sine and cosine of the angle to the normal.
-#[derive(Debug, Clone, Copy)]
-struct Viewer {
-    along: [f64; 2],
-    flat: f64,
-    z: f64,
-}
-
-impl Viewer {
-    fn wo(&self) -> Vector3<f64> {
-        Vector3::new(self.flat * self.along[0], self.flat * self.along[1], self.z)
-    }
-
-    /// x, y and the mirror direction of a slice.
-    fn axes(&self) -> [Vector3<f64>; 3] {
-        let [c, s] = self.along;
-        let mirror = Vector3::new(-self.flat * c, -self.flat * s, self.z);
-        let across = Vector3::new(-s, c, 0.0);
-        [across.cross(&mirror), across, mirror]
-    }
-}
 
 /// Errors for each viewer and place, measured.
 #[derive(Debug, Clone)]
@@ -162,7 +52,7 @@ impl WideNodes {
     ) -> Self {
         // Without any symmetry there are too many viewers to tell shapes apart.
         let groups = if symmetry == Symmetry::None { &gauge.all } else { &gauge.groups };
-        let grid = Grid::of(symmetry, groups.len());
+        let grid = Grid::of(symmetry, groups.len(), K::APART);
         let arch = pulp::Arch::new();
         let viewer = |node: usize| {
             let viewer = grid.viewer(node);
@@ -373,7 +263,7 @@ impl WideView<'_> {
             let column = steps(a * scale + fine, last);
             let row = steps(if is_half { b.abs() * scale } else { b * scale + fine }, last_row);
             let at = u32::from(group) * whole + row / FINE * columns + column / FINE;
-            *place = Place(at << 6 | (row % FINE) << 3 | (column % FINE));
+            *place = Place((at << 6) | ((row % FINE) << 3) | (column % FINE));
         }
     }
 
@@ -387,7 +277,7 @@ impl WideView<'_> {
     /// The nodes about a place, and their weights.
     #[inline(always)]
     fn corners(&self, place: u32) -> ([&Codes; 4], [u64; 4]) {
-        let (at, row, column) = ((place >> 6) as usize, u64::from(place >> 3 & 7), u64::from(place & 7));
+        let (at, row, column) = ((place >> 6) as usize, u64::from((place >> 3) & 7), u64::from(place & 7));
         let (columns, fine) = (self.grid.columns(), u64::from(FINE));
         let near = &self.entries[at..][..columns + 2];
         let weights = [(fine - row) * (fine - column), (fine - row) * column, row * (fine - column), row * column];
@@ -403,30 +293,6 @@ fn steps(x: f32, last: f32) -> u32 {
     let x = if x > 0.0 { x } else { 0.0 };
     let x = if x < last { x } else { last };
     (x + ROUND).to_bits() - ROUND.to_bits()
-}
-
-/// A number in [0, 4) that grows with the azimuth, without trigonometry: the way round a square.
-fn round_square([x, y]: [f64; 2]) -> f64 {
-    let size = x.abs() + y.abs();
-    let t = if size > 0.0 { y / size } else { 0.0 };
-    match (x >= 0.0, t >= 0.0) {
-        (true, true) => t,
-        (false, _) => 2.0 - t,
-        (true, false) => 4.0 + t,
-    }
-}
-
-/// The unit vector there.
-fn on_square(way: f64) -> [f64; 2] {
-    let (quarter, t) = (way as usize % 4, way.fract());
-    let (x, y) = match quarter {
-        0 => (1.0 - t, t),
-        1 => (-t, 1.0 - t),
-        2 => (t - 1.0, -t),
-        _ => (t, t - 1.0),
-    };
-    let size = x.hypot(y);
-    [x / size, y / size]
 }
 
 #[cfg(test)]
@@ -447,7 +313,8 @@ mod tests {
         ((i as f64 + 0.5) * 0.618_033_988_749_894_9).fract()
     }
 
-    /// How many octaves a table has more than the errors of a whole block, at viewers, places and turns of all kinds: the least and the mean.
+    /// How many octaves a table has more than the errors of a whole block, at viewers, places and turns of all kinds:
+    /// the least and the mean.
     fn surplus(
         bounds: &WideBounds,
         gauge: &Gauge,
