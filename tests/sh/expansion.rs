@@ -144,7 +144,12 @@ fn rotations_are_the_twins_and_have_the_bits_of_plans() {
             assert_eq!(by_quaternion, out);
         }
         let identity = Rotation3::from_matrix_unchecked(Matrix3::identity().map(T::of));
-        assert_eq!(f.rotate(&identity), f);
+        if bands == 3 {
+            // Degree 2 goes through √3 and back, and through a sum whose parts cancel.
+            assert_below(worst(&f.rotate(&identity), &wide(&f)), 2.0 * eps::<T>() * norm(&f), "identity");
+        } else {
+            assert_eq!(f.rotate(&identity), f);
+        }
     }
     for_all!(check);
 }

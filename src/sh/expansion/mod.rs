@@ -65,7 +65,7 @@ pub trait Expansion: Copy + Send + Sync + sealed::Sealed + 'static {
 
     /// (Rf)(ω) = f(R⁻¹ω): a lobe about d becomes the lobe about Rd.
     ///
-    /// Up to three bands R itself is applied, to a vector and to a quadratic form. From four on it is [`Rotator::apply`], with its bits;
+    /// Up to three bands R itself is applied, to a vector and to a quadratic form, whose degree is rounded even where R is 1. From four on it is [`Rotator::apply`], with its bits;
     /// there is what becomes of matrices that are not quite orthogonal.
     fn rotate(&self, rotation: &Rotation3<Self::Scalar>) -> Self;
 
