@@ -22,9 +22,9 @@ mod sealed {
 /// [`Basis::eval_rows`](super::Basis::eval_rows), [`Product::batch`], [`Rotation`](super::Rotation) and [`Rotator::batch`] take a fraction of
 /// the time for each.
 ///
-/// Values, products and squares of up to three bands are inlined: in a loop over arrays the compiler may put several vectors side by side.
-/// Products from four bands on and rotations from three on keep constants, which their first call computes and allocates; later
-/// calls do not allocate. Only rotations choose between instruction sets when called.
+/// Values of any size, and products, squares and rotations by matrices of up to three bands, are inlined: in a loop over arrays the compiler
+/// may put several vectors side by side. From four bands on they keep constants, which the first call computes and allocates; later calls
+/// do not allocate. Only rotations, and products of seven and eight bands, choose between instruction sets when called.
 ///
 /// Layout, signs and scale are those of the module: index l(l+1) + m, orthonormal, no Condon–Shortley phase.
 /// Sealed, so that it can grow.
@@ -65,8 +65,8 @@ pub trait Expansion: Copy + Send + Sync + sealed::Sealed + 'static {
 
     /// (Rf)(ω) = f(R⁻¹ω): a lobe about d becomes the lobe about Rd.
     ///
-    /// Two bands are multiplied by R itself. From three on it is [`Rotator::apply`], with its bits; there is what becomes of matrices that
-    /// are not quite orthogonal.
+    /// Up to three bands R itself is applied, to a vector and to a quadratic form, whose degree is rounded even where R is 1. From four on it is [`Rotator::apply`], with its bits;
+    /// there is what becomes of matrices that are not quite orthogonal.
     fn rotate(&self, rotation: &Rotation3<Self::Scalar>) -> Self;
 
     /// [`rotate`](Self::rotate) by a quaternion; the same bits as [`Rotator::apply_quaternion`].
@@ -87,6 +87,37 @@ fn rotate_vector<T: Real>(rotation: &Rotation3<T>, f: &[T; 4]) -> [T; 4] {
     let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = rotation.matrix().data.0;
     let [mean, y, z, x] = *f;
     [mean, yx * x + yy * y + yz * z, zx * x + zy * y + zz * z, xx * x + xy * y + xz * z]
+}
+
+/// Two bands by [`rotate_vector`], and degree 2 as the quadratic form ½ k xᵀMx, which becomes R M Rᵀ:
+///
+///   M = [[c₂ − u, c₋₂, c₁], [c₋₂, −c₂ − u, c₋₁], [c₁, c₋₁, 2u]],  u = c₀/√3,  k = √(15/4π)
+///
+/// M keeps its trace, 0, so M_xx need not be formed.
+#[inline(always)]
+fn rotate_form<T: Real>(rotation: &Rotation3<T>, f: &[T; 9]) -> [T; 9] {
+    let [[xx, yx, zx], [xy, yy, zy], [xz, yz, zz]] = rotation.matrix().data.0;
+    let [mean, y, z, x, a, b, c, d, e] = *f;
+    let u = T::of(3f64.sqrt().recip()) * c;
+    let form =
+        |[x, y, z]: [T; 3]| [(e - u) * x + a * y + d * z, a * x - (e + u) * y + b * z, d * x + b * y + (u + u) * z];
+    let dot = |[x, y, z]: [T; 3], [u, v, w]: [T; 3]| x * u + y * v + z * w;
+    let rows = [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]];
+    let [with_y, with_z] = [form(rows[1]), form(rows[2])];
+    let (middle, last) = (dot(rows[1], with_y), dot(rows[2], with_z));
+    let [mean, y, z, x] = rotate_vector(rotation, &[mean, y, z, x]);
+    let (half, scale) = (T::of(0.5), T::of(0.5 * 3f64.sqrt()));
+    [
+        mean,
+        y,
+        z,
+        x,
+        dot(rows[0], with_y),
+        dot(rows[1], with_z),
+        scale * last,
+        dot(rows[0], with_z),
+        -(middle + half * last),
+    ]
 }
 
 #[inline(always)]
@@ -154,14 +185,6 @@ macro_rules! rotate {
             *self
         }
     };
-    (vector, $scalar: ty, $bands: literal, $size: literal) => {
-        #[inline]
-        fn rotate(&self, rotation: &Rotation3<$scalar>) -> Self {
-            rotate_vector(rotation, self)
-        }
-
-        rotate!(by_quaternion, $scalar, $bands, $size);
-    };
     (planned, $scalar: ty, $bands: literal, $size: literal) => {
         fn rotate(&self, rotation: &Rotation3<$scalar>) -> Self {
             let mut out = [0.0; $size];
@@ -177,6 +200,14 @@ macro_rules! rotate {
             plan!(Rotator<$scalar>, $bands).apply_quaternion(rotation, self, &mut out);
             out
         }
+    };
+    ($direct: ident, $scalar: ty, $bands: literal, $size: literal) => {
+        #[inline]
+        fn rotate(&self, rotation: &Rotation3<$scalar>) -> Self {
+            $direct(rotation, self)
+        }
+
+        rotate!(by_quaternion, $scalar, $bands, $size);
     };
 }
 
@@ -213,9 +244,9 @@ macro_rules! expansions {
 
 expansions! {
     f32:
-        1 1 eval_1 straight constant, 2 4 eval_2 straight vector, 3 9 eval_3 straight planned, 4 16 eval_4 planned planned,
+        1 1 eval_1 straight constant, 2 4 eval_2 straight rotate_vector, 3 9 eval_3 straight rotate_form, 4 16 eval_4 planned planned,
         5 25 eval_5 planned planned, 6 36 eval_6 planned planned, 7 49 eval_7 planned planned, 8 64 eval_8 planned planned;
     f64:
-        1 1 eval_1 straight constant, 2 4 eval_2 straight vector, 3 9 eval_3 straight planned, 4 16 eval_4 planned planned,
+        1 1 eval_1 straight constant, 2 4 eval_2 straight rotate_vector, 3 9 eval_3 straight rotate_form, 4 16 eval_4 planned planned,
         5 25 eval_5 planned planned, 6 36 eval_6 planned planned, 7 49 eval_7 planned planned, 8 64 eval_8 planned planned;
 }

@@ -12,7 +12,7 @@ use super::generated::{
     quadrature_8::Quadrature8, tensor_2::Tensor2, tensor_3::Tensor3,
 };
 use super::nodes::{Rule, factors, normalized_legendre};
-use super::single::{LANES, one};
+use super::single::{lanes, one};
 use crate::Real;
 use crate::numeric::align_stack;
 use crate::sh::lane::{Element, Lane};
@@ -60,8 +60,8 @@ pub(super) struct Constants<T> {
     pub poles: Vec<T>,
     /// Pair by pair.
     pub pairs: Vec<T>,
-    /// `C` for each [`LANES`] pairs, side by side; zeros where there are fewer.
-    pub lanes: Vec<[T; LANES]>,
+    /// `C` for each [`lanes`] pairs, side by side; zeros where there are fewer.
+    pub lanes: Vec<T>,
 }
 
 impl<T: Real> Constants<T> {
@@ -80,10 +80,11 @@ impl<T: Real> Constants<T> {
         };
         let pairs: Vec<T> = rule.pairs.iter().flat_map(|&[z, weight]| of(z, weight)).collect();
         let count = bands * (bands + 1);
-        let mut lanes = vec![[T::zero(); LANES]; rule.pairs.len().div_ceil(LANES) * count];
+        let width = lanes(bands * bands);
+        let mut lanes = vec![T::zero(); rule.pairs.len().div_ceil(width) * count * width];
         for (k, constants) in pairs.chunks_exact(count).enumerate() {
-            let group = &mut lanes[k / LANES * count..][..count];
-            constants.iter().zip(group).for_each(|(c, lanes)| lanes[k % LANES] = *c);
+            let group = lanes[k / width * count * width..].chunks_exact_mut(width);
+            constants.iter().zip(group).for_each(|(c, lanes)| lanes[k % width] = *c);
         }
         let poles = if rule.poles > 0.0 { of(1.0, rule.poles).collect() } else { Vec::new() };
         Self { poles, pairs, lanes }

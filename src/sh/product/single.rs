@@ -1,17 +1,27 @@
-//! One vector at a time: number by number where the text is the one by the tensor, four nodes side by side where it is by quadrature.
+//! One vector at a time: number by number where the text is the one by the tensor, all nodes side by side where it is by quadrature.
 //!
-//! Nothing is dispatched: the code is for the instructions that every machine has, among which are registers of four numbers on all that
-//! matter. For a single vector wider ones would not be full, and the call that leads to them costs more than they save.
+//! Four to six bands have at most four pairs of nodes and nothing is dispatched: registers of four numbers are what every machine
+//! has. Seven and eight bands have five pairs, which want wider ones.
 
 use std::hint::black_box;
+use std::marker::PhantomData;
 use std::ops::{Add, Mul, Sub};
+
+use pulp::{Arch, Simd, WithSimd};
 
 use super::kernel::{Constants, Site, Straight, at_poles, by_tensor, pair};
 use crate::Real;
+use crate::numeric::{align_stack, arch_256};
 use crate::sh::lane::Lane;
 
-/// Nodes side by side.
-pub(super) const LANES: usize = 4;
+/// Pairs of nodes side by side, up to six bands and above.
+const FEW: usize = 4;
+const MANY: usize = 8;
+
+/// Pairs of nodes side by side for vectors of `size`.
+pub(super) const fn lanes(size: usize) -> usize {
+    if size <= 36 { FEW } else { MANY }
+}
 
 /// A number, or some side by side. An array and not a register of `pulp`'s, which has none of this width without a dispatch.
 #[derive(Clone, Copy)]
@@ -115,38 +125,97 @@ pub(super) fn one<K: Straight, T: Real, const N: usize, const C: usize, const SQ
     out: &mut [T; N],
 ) {
     if by_tensor(C) {
-        return pair::<K, _, SQUARE>(&mut Numbers { a, b, out });
+        let by_numbers = ByNumbers::<K, T, N, SQUARE> { kernel: PhantomData, a, b, out };
+        // Instructions of three operands and more registers are worth the call from three bands on.
+        return if N > 4 { Arch::new().dispatch(by_numbers) } else { by_numbers.run() };
     }
-    let mut sums = [[T::zero(); 1]; N];
-    if let Some(constants) = constants.poles.as_chunks().0.first_chunk::<C>() {
-        at_poles::<K, _, SQUARE>(&mut Nodes { constants, a, b, out: &mut sums });
-    }
-    // A batch adds to 0, too, which takes the sign of a zero.
-    *out = sums.map(|[sum]| T::zero() + sum);
-    let mut rest = constants.pairs.len() / C;
-    for constants in constants.lanes.as_chunks::<C>().0 {
-        let mut parts = [[T::zero(); LANES]; N];
-        pair::<K, _, SQUARE>(&mut Nodes { constants, a, b, out: &mut parts });
-        // Has the parts written to memory, where the sums find them four at a time. Otherwise LLVM takes the lanes apart.
-        black_box(parts.as_ptr());
-        match rest {
-            1 => add::<T, N, 1>(&parts, out),
-            2 => add::<T, N, 2>(&parts, out),
-            3 => add::<T, N, 3>(&parts, out),
-            _ => add::<T, N, LANES>(&parts, out),
-        }
-        rest = rest.saturating_sub(LANES);
+    let by_nodes = ByNodes::<K, T, N, C, SQUARE> { kernel: PhantomData, constants, a, b, out };
+    if lanes(N) == FEW { by_nodes.run::<FEW>() } else { arch_256().dispatch(by_nodes) }
+}
+
+/// One vector by the tensor.
+struct ByNumbers<'a, K, T, const N: usize, const SQUARE: bool> {
+    kernel: PhantomData<K>,
+    a: &'a [T; N],
+    b: &'a [T; N],
+    out: &'a mut [T; N],
+}
+
+impl<K: Straight, T: Real, const N: usize, const SQUARE: bool> ByNumbers<'_, K, T, N, SQUARE> {
+    #[inline(always)]
+    fn run(self) {
+        pair::<K, _, SQUARE>(&mut Numbers { a: self.a, b: self.b, out: self.out });
     }
 }
 
-/// Adds the first K of each four parts, one after the other.
+impl<K: Straight, T: Real, const N: usize, const SQUARE: bool> WithSimd for ByNumbers<'_, K, T, N, SQUARE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
+        self.run();
+    }
+}
+
+/// One vector by quadrature.
+struct ByNodes<'a, K, T, const N: usize, const C: usize, const SQUARE: bool> {
+    kernel: PhantomData<K>,
+    constants: &'a Constants<T>,
+    a: &'a [T; N],
+    b: &'a [T; N],
+    out: &'a mut [T; N],
+}
+
+impl<K: Straight, T: Real, const N: usize, const C: usize, const SQUARE: bool> WithSimd
+    for ByNodes<'_, K, T, N, C, SQUARE>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        align_stack();
+        self.run::<MANY>();
+    }
+}
+
+impl<K: Straight, T: Real, const N: usize, const C: usize, const SQUARE: bool> ByNodes<'_, K, T, N, C, SQUARE> {
+    #[inline(always)]
+    fn run<const L: usize>(self) {
+        let Self { constants, a, b, out, .. } = self;
+        let mut sums = [[T::zero(); 1]; N];
+        if let Some(constants) = constants.poles.as_chunks().0.first_chunk::<C>() {
+            at_poles::<K, _, SQUARE>(&mut Nodes { constants, a, b, out: &mut sums });
+        }
+        // A batch adds to 0, too, which takes the sign of a zero.
+        *out = sums.map(|[sum]| T::zero() + sum);
+        let pairs = constants.pairs.len() / C;
+        // One group: there are as many lanes as nodes.
+        if let Some(constants) = constants.lanes.as_chunks::<L>().0.first_chunk::<C>() {
+            let mut parts = [[T::zero(); L]; N];
+            pair::<K, _, SQUARE>(&mut Nodes { constants, a, b, out: &mut parts });
+            // Has the parts written to memory, where the sums find them four at a time. Otherwise LLVM takes the lanes apart.
+            black_box(parts.as_ptr());
+            match pairs {
+                1 => add::<T, L, N, 1>(&parts, out),
+                2 => add::<T, L, N, 2>(&parts, out),
+                3 => add::<T, L, N, 3>(&parts, out),
+                4 => add::<T, L, N, 4>(&parts, out),
+                5 => add::<T, L, N, 5>(&parts, out),
+                _ => unreachable!("a rule of up to 8 bands has up to 5 pairs of nodes"),
+            }
+        }
+    }
+}
+
+/// Adds the first K of each L parts, one after the other.
 #[inline(always)]
-fn add<T: Real, const N: usize, const K: usize>(parts: &[[T; LANES]; N], sums: &mut [T; N]) {
-    let (sums, last) = sums.as_chunks_mut::<LANES>();
-    let (parts, last_parts) = parts.as_chunks::<LANES>();
+fn add<T: Real, const L: usize, const N: usize, const K: usize>(parts: &[[T; L]; N], sums: &mut [T; N]) {
+    let (sums, last) = sums.as_chunks_mut::<4>();
+    let (parts, last_parts) = parts.as_chunks::<4>();
     for (sums, parts) in sums.iter_mut().zip(parts) {
         for k in 0..K {
-            for i in 0..LANES {
+            for i in 0..4 {
                 sums[i] += parts[i][k];
             }
         }
