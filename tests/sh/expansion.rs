@@ -215,7 +215,8 @@ fn odd_numbers() {
         // Those with l = |m| do not read z.
         assert!((0..N).all(|i| {
             let l = i.isqrt();
-            y[i].is_nan() == !(i == l * l || i == l * l + 2 * l)
+            let ends_the_band = i == l * l || i == l * l + 2 * l;
+            y[i].is_nan() != ends_the_band
         }));
     }
     for_all!(check);
