@@ -92,6 +92,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
+mod parallel;
 mod progress;
 mod real;
 

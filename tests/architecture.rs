@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// The rooms, from the top of the house to the bottom: a room imports only from rooms above it.
 /// `backend` is followed by one room for each back end: siblings never import each other.
-const ROOMS: [&str; 14] = [
-    "error", "progress", "real", "numeric", "sphere", "haar", "affine", "sh", "dct", "table", "compress", "scene",
-    "io", "backend",
+const ROOMS: [&str; 16] = [
+    "error", "progress", "real", "parallel", "store", "numeric", "sphere", "haar", "affine", "sh", "dct", "table",
+    "compress", "scene", "io", "backend",
 ];
 
 /// Rooms that show the public types of the house to tests, and so may import everything.

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use super::coupling::levels_of;
 use super::{AffineMap, MapGrid, Nonzeros1d, NonzerosNonstandard};
 use crate::haar::{Decomposition, Index2d, Keep};
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// What is assumed of a light whose target coefficients are to be predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -174,13 +174,7 @@ impl<const Q: usize> Prediction<Q> {
             });
             self.cell(rest, place);
         };
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            (0..self.best.len()).into_par_iter().for_each(cells);
-        }
-        #[cfg(not(feature = "rayon"))]
-        (0..self.best.len()).for_each(cells);
+        parallel::map(self.best.len(), cells);
     }
 
     /// Bytes of the choices made so far.

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::coupling::levels_of;
 use super::{AffineMap, MapGrid, NearestMap, Nonzeros1d};
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// All non-zero 1D couplings D_ij(s, o) on a grid of maps                     [Sun 2008, §4.5.5, "memory based approach"].
 ///
@@ -83,13 +83,7 @@ impl StoredCouplings {
             bytes.fetch_add(slab.bytes(), Ordering::Relaxed);
             slab
         };
-        #[cfg(feature = "rayon")]
-        let slabs: Vec<Slab> = {
-            use rayon::prelude::*;
-            (0..scales).into_par_iter().map(slab).collect()
-        };
-        #[cfg(not(feature = "rayon"))]
-        let slabs: Vec<Slab> = (0..scales).map(slab).collect();
+        let slabs = parallel::map(scales, slab);
         let bytes = bytes.into_inner();
         if bytes > limit {
             let allowed = "at most the stated limit";

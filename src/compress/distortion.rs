@@ -1,8 +1,7 @@
 //! What compression with loss loses.
 
-use super::parallel::map;
-use crate::Real;
 use crate::numeric::SquareSum;
+use crate::{Real, parallel};
 
 /// How far numbers are from what compression made of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +34,7 @@ impl Distortion {
         with: impl Fn(usize, &[T], &mut [T]) + Sync + Send,
     ) -> Self {
         let chunk = (1usize << 16).div_ceil(columns) * columns;
-        let pieces = map(original.len().div_ceil(chunk), |piece| {
+        let pieces = parallel::map(original.len().div_ceil(chunk), |piece| {
             let rows = &original[piece * chunk..original.len().min((piece + 1) * chunk)];
             let mut out = vec![T::zero(); rows.len()];
             with(piece * chunk / columns, rows, &mut out);

@@ -13,7 +13,6 @@ mod bicluster;
 mod clustered_pca;
 mod dense;
 mod distortion;
-mod parallel;
 mod pca;
 mod quantise;
 mod random;

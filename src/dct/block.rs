@@ -6,7 +6,7 @@ use super::kernels::{self, Pass, Work};
 use super::tables::Tables;
 use crate::error::{check_length, length_mismatch};
 use crate::numeric::align_stack;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// Where the samples of the blocks are. Coefficients always lie block after block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -158,15 +158,15 @@ impl<T: Real> BlockDct<T> {
     #[track_caller]
     pub fn forward_low_parallel(&self, low: usize, samples: &[T], coefs: &mut [T]) {
         self.check(low, samples.len(), coefs.len());
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            let [samples_each, coefs_each] = self.task(low);
-            let tasks = coefs.par_chunks_mut(coefs_each).zip(samples.par_chunks(samples_each));
-            tasks.for_each(|(coefs, samples)| self.run(low, Data::Forward(samples), coefs));
-        }
-        #[cfg(not(feature = "rayon"))]
-        self.run(low, Data::Forward(samples), coefs);
+        let [samples_each, coefs_each] = self.task(low);
+        parallel::chunks(
+            coefs,
+            coefs_each,
+            || (),
+            |k, coefs, ()| {
+                self.run(low, Data::Forward(chunk_of(samples, k, samples_each)), coefs);
+            },
+        );
     }
 
     /// [`inverse_low`](Self::inverse_low) on all threads, as [`forward_low_parallel`](Self::forward_low_parallel).
@@ -176,19 +176,18 @@ impl<T: Real> BlockDct<T> {
     #[track_caller]
     pub fn inverse_low_parallel(&self, low: usize, coefs: &[T], samples: &mut [T]) {
         self.check(low, samples.len(), coefs.len());
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            let [samples_each, coefs_each] = self.task(low);
-            let tasks = samples.par_chunks_mut(samples_each).zip(coefs.par_chunks(coefs_each));
-            tasks.for_each(|(samples, coefs)| self.run(low, Data::Inverse(coefs), samples));
-        }
-        #[cfg(not(feature = "rayon"))]
-        self.run(low, Data::Inverse(coefs), samples);
+        let [samples_each, coefs_each] = self.task(low);
+        parallel::chunks(
+            samples,
+            samples_each,
+            || (),
+            |k, samples, ()| {
+                self.run(low, Data::Inverse(chunk_of(coefs, k, coefs_each)), samples);
+            },
+        );
     }
 
     /// Samples and coefficients of a task: some 64 KiB, or one row of tiles.
-    #[cfg(feature = "rayon")]
     fn task(&self, low: usize) -> [usize; 2] {
         match self.layout {
             Layout::Blocks => [self.len(), low * low].map(|each| each * ((1 << 14) / self.len()).max(1)),
@@ -354,4 +353,9 @@ fn plan_of<T: Real>(block: &[T]) -> Result<BlockDct<T>> {
         return Err(Error::Length { what: "samples of a square block", expected: side * side, got: block.len() });
     }
     BlockDct::new(side)
+}
+
+/// Chunk number `k` of so many elements each, the last one with what is left.
+fn chunk_of<T>(all: &[T], k: usize, each: usize) -> &[T] {
+    &all[k * each..all.len().min((k + 1) * each)]
 }

@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::transform_1d::{Direction, check_batch, take_scratch};
 use super::transform_kernels as kernels;
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// Which 2D basis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -215,16 +215,11 @@ impl<T: Real> Transform2d<T> {
     fn run_parallel(&self, direction: Direction, src: &[T], dst: &mut [T]) {
         check_batch(self.len(), Some(src), dst);
         let scratch = || vec![T::zero(); self.scratch_len()];
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            // Some 64 KiB of samples a task: enough to hide its start, little enough to balance.
-            let chunk = self.len() * ((1 << 14) / self.len()).max(1);
-            let tasks = dst.par_chunks_mut(chunk).zip(src.par_chunks(chunk));
-            tasks.for_each_init(scratch, |scratch, (dst, src)| self.dispatch(direction, Some(src), dst, scratch));
-        }
-        #[cfg(not(feature = "rayon"))]
-        self.dispatch(direction, Some(src), dst, &mut scratch());
+        // Some 64 KiB of samples a task: enough to hide its start, little enough to balance.
+        let chunk = self.len() * ((1 << 14) / self.len()).max(1);
+        parallel::chunks(dst, chunk, scratch, |k, dst, scratch| {
+            self.dispatch(direction, Some(&src[k * chunk..][..dst.len()]), dst, scratch);
+        });
     }
 
     fn dispatch(&self, direction: Direction, src: Option<&[T]>, dst: &mut [T], scratch: &mut [T]) {

@@ -1,15 +1,12 @@
 //! The right answer, by brute force.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 
 use super::brdf::Axes;
 use super::{BinaryVisibility, Brdf, Materials, Mesh, View};
+use crate::parallel::Watch;
 use crate::sphere::{CubeGrid, CubeMap, Face};
-use crate::{Error, Progress, Result};
+use crate::{Error, Progress, Result, parallel};
 
 /// What each vertex sees, in one of the forms that [`GroundTruth`] takes.
 ///
@@ -97,28 +94,21 @@ impl GroundTruth<'_> {
         let vertices = self.mesh.positions().len();
         let texels = self.prepare(visibility, vertices)?;
         let mut out = vec![Vector3::zeros(); vertices];
-        let done = AtomicUsize::new(0);
-        let chunk = |(index, chunk): (usize, &mut [Vector3<f64>])| -> Result<()> {
-            if progress.is_cancelled() {
-                return Err(Error::Cancelled);
-            }
-            let mut scratch = Scratch::new(visibility);
+        let watch = Watch::new(progress, vertices);
+        let scratch = || Scratch::new(visibility);
+        parallel::try_chunks(&mut out, CHUNK, scratch, |index, chunk, scratch| {
+            watch.check()?;
             for (i, radiance) in chunk.iter_mut().enumerate() {
                 let vertex = index * CHUNK + i;
-                *radiance = self.vertex(vertex, &texels, visibility, &mut scratch)?;
+                *radiance = self.vertex(vertex, &texels, visibility, scratch)?;
                 // Light, weights and cosines are finite.
                 if !radiance.iter().all(|c| c.is_finite()) {
                     return Err(self.materials.not_finite(vertex));
                 }
             }
-            let before = done.fetch_add(chunk.len(), Ordering::Relaxed);
-            progress.advance(before + chunk.len(), vertices);
+            watch.advance(chunk.len());
             Ok(())
-        };
-        #[cfg(feature = "rayon")]
-        out.par_chunks_mut(CHUNK).enumerate().try_for_each(chunk)?;
-        #[cfg(not(feature = "rayon"))]
-        out.chunks_mut(CHUNK).enumerate().try_for_each(chunk)?;
+        })?;
         Ok(out)
     }
 

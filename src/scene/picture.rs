@@ -4,7 +4,7 @@ use nalgebra::{UnitVector3, Vector3};
 
 use super::{Bvh, Camera, Mesh};
 use crate::error::check_length;
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// Which vertices show in which pixels: a plan that turns colours of vertices into pictures.
 ///
@@ -59,14 +59,19 @@ impl Picture {
         let mut plan = Self { size, samples, camera: *camera, vertices: mesh.positions().len(), hits: vec![] };
         let mut hits = vec![nothing; size[0] * size[1] * samples * samples];
         let eye = camera.eye();
-        for_each_chunk(&mut hits, size[0] * samples * samples, |row, hits| {
-            for (k, slot) in hits.iter_mut().enumerate() {
-                let direction = plan.direction(row * size[0] * samples * samples + k);
-                if let Some(hit) = bvh.closest_hit(&eye, &direction) {
-                    *slot = (mesh.faces()[hit.face as usize], [hit.barycentric[0], hit.barycentric[1]]);
+        parallel::chunks(
+            &mut hits,
+            size[0] * samples * samples,
+            || (),
+            |row, hits, ()| {
+                for (k, slot) in hits.iter_mut().enumerate() {
+                    let direction = plan.direction(row * size[0] * samples * samples + k);
+                    if let Some(hit) = bvh.closest_hit(&eye, &direction) {
+                        *slot = (mesh.faces()[hit.face as usize], [hit.barycentric[0], hit.barycentric[1]]);
+                    }
                 }
-            }
-        });
+            },
+        );
         plan.hits = hits;
         Ok(plan)
     }
@@ -88,21 +93,26 @@ impl Picture {
         check_length("colours of a picture", self.vertices, colours.len());
         let per_pixel = self.samples * self.samples;
         let mut pixels = vec![Vector3::zeros(); self.size[0] * self.size[1]];
-        for_each_chunk(&mut pixels, self.size[0], |row, pixels| {
-            for (k, pixel) in pixels.iter_mut().enumerate() {
-                let first = (row * self.size[0] + k) * per_pixel;
-                let mut sum = Vector3::zeros();
-                for (i, (face, [a, b])) in self.hits[first..][..per_pixel].iter().enumerate() {
-                    sum += if face[0] == NOTHING {
-                        background(&self.direction(first + i))
-                    } else {
-                        let [x, y, z] = face.map(|v| colours[v as usize]);
-                        x * *a + y * *b + z * (1.0 - a - b)
-                    };
+        parallel::chunks(
+            &mut pixels,
+            self.size[0],
+            || (),
+            |row, pixels, ()| {
+                for (k, pixel) in pixels.iter_mut().enumerate() {
+                    let first = (row * self.size[0] + k) * per_pixel;
+                    let mut sum = Vector3::zeros();
+                    for (i, (face, [a, b])) in self.hits[first..][..per_pixel].iter().enumerate() {
+                        sum += if face[0] == NOTHING {
+                            background(&self.direction(first + i))
+                        } else {
+                            let [x, y, z] = face.map(|v| colours[v as usize]);
+                            x * *a + y * *b + z * (1.0 - a - b)
+                        };
+                    }
+                    *pixel = sum / per_pixel as f32;
                 }
-                *pixel = sum / per_pixel as f32;
-            }
-        });
+            },
+        );
         pixels
     }
 
@@ -124,15 +134,4 @@ impl Picture {
         let half = height as f64 * 0.5;
         self.camera.direction((x - width as f64 * 0.5) / half, 1.0 - y / half)
     }
-}
-
-/// Runs `one` on every chunk of a list with its number, in parallel with `rayon`.
-fn for_each_chunk<T: Send>(list: &mut [T], chunk: usize, one: impl Fn(usize, &mut [T]) + Sync) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        list.par_chunks_mut(chunk).enumerate().for_each(|(k, part)| one(k, part));
-    }
-    #[cfg(not(feature = "rayon"))]
-    list.chunks_mut(chunk).enumerate().for_each(|(k, part)| one(k, part));
 }

@@ -3,10 +3,9 @@
 use nalgebra::{UnitVector3, Vector3};
 use num_traits::Zero;
 
-use super::parallel::fill_with;
 use super::{CubeGrid, Face, Texel};
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// A function of direction sampled on a [`CubeGrid`].
 #[derive(Debug, Clone, PartialEq)]
@@ -140,7 +139,7 @@ impl<P: Texel> CubeMap<P> {
         f: impl Fn(usize, &mut S) -> P::Wide + Sync,
     ) -> Self {
         let mut texels = vec![P::zero(); grid.len()];
-        fill_with(&mut texels, scratch, |i, scratch| P::narrow(f(i, scratch)));
+        parallel::fill(&mut texels, scratch, |i, scratch| P::narrow(f(i, scratch)));
         Self { grid, texels }
     }
 }

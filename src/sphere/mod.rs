@@ -15,8 +15,7 @@ mod hemisphere_disk;
 mod lat_long;
 mod overlap_cube;
 mod overlap_lat_long;
-pub(crate) mod parallel;
-mod quadrature;
+pub(crate) mod quadrature;
 mod resample;
 mod texel;
 

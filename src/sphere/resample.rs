@@ -7,8 +7,8 @@ use num_traits::{One, Zero};
 
 use super::cube_grid::rectangle_solid_angle;
 use super::overlap_lat_long::{LatLongCells, TexelQuads};
-use super::parallel::fill_with;
 use super::{CubeGrid, CubeMap, Face, LatLongGrid, LatLongMap, Texel, overlap_cube};
+use crate::parallel;
 
 /// How a map is carried to another grid.
 ///
@@ -132,7 +132,7 @@ fn smooth_half<P: Texel, G: Target>(
     inverse: &Rotation3<f64>,
 ) -> Option<Vec<P::Wide>> {
     let mut wide = vec![P::Wide::zero(); target.len()];
-    fill_with(
+    parallel::fill(
         &mut wide,
         || (),
         |i, ()| {
@@ -173,7 +173,7 @@ fn smooth<P: Texel, G: Target>(source: &impl Source<P>, target: G, inverse: &Rot
 /// One bilinear look-up a cell.
 fn bilinear<P: Texel>(source: &impl Source<P>, target: impl Target, inverse: &Rotation3<f64>) -> Vec<P> {
     let mut out = vec![P::zero(); target.len()];
-    fill_with(&mut out, || (), |i, ()| P::narrow(source.lookup(&(inverse * target.within(i, 0.5, 0.5)))));
+    parallel::fill(&mut out, || (), |i, ()| P::narrow(source.lookup(&(inverse * target.within(i, 0.5, 0.5)))));
     out
 }
 

@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::prefix;
 use crate::error::check_length;
 use crate::numeric::{align_stack, arch_256};
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// How to build summed-area tables of one image size into the caller's memory, one or many.
 ///   S(r, c) = Σ_{y < r, x < c} f(x, y)            [Xu 2006 eq. 2, with the exclusive table that its indices need]
@@ -116,17 +116,13 @@ impl SummedAreaPlan {
     pub fn build_batch_parallel<S: Real, T: Real>(&self, samples: &[S], table: &mut [T]) {
         self.check(samples.len(), table.len());
         let scratch = || vec![T::zero(); self.scratch_len()];
-        #[cfg(feature = "rayon")]
-        if self.samples_len() > 0 {
-            use rayon::prelude::*;
-            // Some 64 KiB of samples a task: enough to hide its start, little enough to balance.
-            let images = ((1 << 14) / self.samples_len()).max(1);
-            let tables = table.par_chunks_mut(images * self.table_len());
-            let tasks = tables.zip(samples.par_chunks(images * self.samples_len()));
-            tasks.for_each_init(scratch, |scratch, (table, samples)| self.build_batch(samples, table, scratch));
-            return;
-        }
-        self.build_batch(samples, table, &mut scratch());
+        // Some 64 KiB of samples a task: enough to hide its start, little enough to balance.
+        let images = ((1 << 14) / self.samples_len().max(1)).max(1);
+        parallel::chunks(table, images * self.table_len(), scratch, |k, table, scratch| {
+            let samples = &samples[k * images * self.samples_len()..];
+            let here = table.len() / self.table_len() * self.samples_len();
+            self.build_batch(&samples[..here], table, scratch);
+        });
     }
 
     /// [`build`](Self::build) of one image on all threads (feature `rayon`; on one without it). The same bits.
@@ -139,24 +135,20 @@ impl SummedAreaPlan {
     pub fn build_parallel<S: Real, T: Real>(&self, samples: &[S], table: &mut [T]) {
         check_length("samples", self.samples_len(), samples.len());
         check_length("table", self.table_len(), table.len());
-        #[cfg(feature = "rayon")]
-        if self.width > 0 && self.height > prefix::BAND {
+        if parallel::pieces() > 1 && self.width > 0 && self.height > prefix::BAND {
             return self.build_bands(samples, table);
         }
         self.build(samples, table, &mut vec![T::zero(); self.scratch_len()]);
     }
 
-    #[cfg(feature = "rayon")]
     fn build_bands<S: Real, T: Real>(&self, samples: &[S], table: &mut [T]) {
-        use rayon::prelude::*;
         let (width, band) = (self.width, prefix::BAND);
-        let bands = || samples.par_chunks(band * width);
+        let samples_of = |k: usize| &samples[k * band * width..samples.len().min((k + 1) * band * width)];
         let scratch = || vec![T::zero(); 2 * width + 1];
         // The table's rows above each band: what the bands add, apart, and then one after the other.
         let mut above = vec![T::zero(); self.height.div_ceil(band) * width];
-        let tasks = above[width..].par_chunks_mut(width).zip(bands());
-        tasks.for_each_init(scratch, |scratch, (sums, samples)| {
-            self.arch::<S, T>().dispatch(Sums { samples, scratch, sums })
+        parallel::chunks(&mut above[width..], width, scratch, |k, sums, scratch| {
+            self.arch::<S, T>().dispatch(Sums { samples: samples_of(k), scratch, sums });
         });
         for start in (width..above.len()).step_by(width) {
             let (before, this) = above.split_at_mut(start);
@@ -166,9 +158,9 @@ impl SummedAreaPlan {
         }
         let (first, rest) = table.split_at_mut(width + 1);
         first.fill(T::zero());
-        let tasks = rest.par_chunks_mut(band * (width + 1)).zip(bands()).zip(above.par_chunks(width));
-        tasks.for_each_init(scratch, |scratch, ((table, samples), above)| {
-            self.arch::<S, T>().dispatch(Band { samples, above, sums: &mut scratch[..width], table });
+        parallel::chunks(rest, band * (width + 1), scratch, |k, table, scratch| {
+            let (above, sums) = (&above[k * width..][..width], &mut scratch[..width]);
+            self.arch::<S, T>().dispatch(Band { samples: samples_of(k), above, sums, table });
         });
     }
 
@@ -225,14 +217,12 @@ impl<S: Real, T: Real> WithSimd for Tables<'_, S, T> {
 }
 
 /// What a band adds to the table's row above it; the table's own rows are left in scratch, zeros followed by a row.
-#[cfg(feature = "rayon")]
 struct Sums<'a, S, T> {
     samples: &'a [S],
     scratch: &'a mut [T],
     sums: &'a mut [T],
 }
 
-#[cfg(feature = "rayon")]
 impl<S: Real, T: Real> WithSimd for Sums<'_, S, T> {
     type Output = ();
 
@@ -247,7 +237,6 @@ impl<S: Real, T: Real> WithSimd for Sums<'_, S, T> {
     }
 }
 
-#[cfg(feature = "rayon")]
 struct Band<'a, S, T> {
     samples: &'a [S],
     above: &'a [T],
@@ -255,7 +244,6 @@ struct Band<'a, S, T> {
     table: &'a mut [T],
 }
 
-#[cfg(feature = "rayon")]
 impl<S: Real, T: Real> WithSimd for Band<'_, S, T> {
     type Output = ();
 

@@ -6,7 +6,7 @@ use super::binary_map::BinaryMap;
 use super::distance_rows::{Buffers, FromSquare, Ring};
 use crate::error::check_length;
 use crate::numeric::align_stack;
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// Whether the frame of a map is a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -160,18 +160,14 @@ impl VisibilityDistancePlan {
     #[track_caller]
     fn run_parallel<O: FromSquare>(&self, maps: BinaryMap<'_>, out: &mut [O]) {
         self.count(&maps, out.len());
-        #[cfg(feature = "rayon")]
-        if self.len() > 0 {
-            use rayon::prelude::*;
-            // Some 16 Ki pixels a task.
-            let some = ((1 << 14) / self.len()).max(1);
-            let tasks = out.par_chunks_mut(some * self.len()).enumerate();
-            tasks.for_each_init(VisibilityDistanceScratch::default, |scratch, (k, out)| {
-                self.run(maps.part(self.len(), k * some, out.len() / self.len()), out, scratch);
-            });
+        if out.is_empty() {
             return;
         }
-        self.run(maps, out, &mut VisibilityDistanceScratch::default());
+        // Some 16 Ki pixels a task.
+        let some = ((1 << 14) / self.len()).max(1);
+        parallel::chunks(out, some * self.len(), VisibilityDistanceScratch::default, |k, out, scratch| {
+            self.run(maps.part(self.len(), k * some, out.len() / self.len()), out, scratch);
+        });
     }
 
     /// The number of maps.

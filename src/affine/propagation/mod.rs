@@ -19,7 +19,7 @@ use wavelets::{Rows, TwoPass};
 use super::{AffineMap, Atom, NonzerosNonstandard, Parameter};
 use crate::error::check_length;
 use crate::haar::{Decomposition, Transform2d};
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// How a propagation is computed; all give the same numbers to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -306,22 +306,11 @@ impl<T: Real> Propagation<T> {
             return;
         }
         const CHUNK: usize = 64;
-        let run = |scratch: &mut PropagationScratch<T>, (maps, out): (&[[AffineMap; 2]], &mut [T])| {
-            for (&maps, out) in maps.iter().zip(out.chunks_exact_mut(piece)) {
+        parallel::chunks(out, CHUNK * piece, PropagationScratch::new, |k, out, scratch| {
+            for (&maps, out) in maps[k * CHUNK..].iter().zip(out.chunks_exact_mut(piece)) {
                 self.apply(source, maps, targets, planes_of(out, targets.len()), scratch);
             }
-        };
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            let tasks = maps.par_chunks(CHUNK).zip(out.par_chunks_mut(CHUNK * piece));
-            tasks.for_each_init(PropagationScratch::new, run);
-        }
-        #[cfg(not(feature = "rayon"))]
-        {
-            let mut scratch = PropagationScratch::new();
-            maps.chunks(CHUNK).zip(out.chunks_mut(CHUNK * piece)).for_each(|task| run(&mut scratch, task));
-        }
+        });
     }
 
     #[track_caller]

@@ -1,8 +1,6 @@
 //! One frame: what every vertex sends to the viewer.
 
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 
 use super::bounds::{Checks, Place, WideView};
 use super::cases::Cases;
@@ -19,6 +17,7 @@ use super::suffix::MomentSums;
 use super::tiles::GROUP;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
+use crate::parallel;
 use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};
 
 /// Work space of a piece of the vertices.
@@ -86,17 +85,14 @@ impl Frame<'_, '_> {
         scratch: &mut [Scratch],
         out: &mut [Vector3<f32>],
     ) {
-        let piece = out.len().div_ceil(scratch.len()).next_multiple_of(TOGETHER);
-        let run = |(index, (out, scratch)): (usize, (&mut [Vector3<f32>], &mut Scratch))| {
-            for (group, out) in out.chunks_mut(TOGETHER).enumerate() {
-                let group = index * (piece / TOGETHER) + group;
-                self.group(maps, schedule.group(group), group * TOGETHER, scratch, out);
+        let done = parallel::with_scratch(out, TOGETHER, scratch, |first, out, scratch| {
+            for (k, out) in out.chunks_mut(TOGETHER).enumerate() {
+                let first = first + k * TOGETHER;
+                self.group(maps, schedule.group(first / TOGETHER), first, scratch, out);
             }
-        };
-        #[cfg(feature = "rayon")]
-        out.par_chunks_mut(piece).zip(scratch).enumerate().for_each(run);
-        #[cfg(not(feature = "rayon"))]
-        out.chunks_mut(piece).zip(scratch).enumerate().for_each(run);
+            Ok(())
+        });
+        done.expect("no piece fails");
     }
 
     fn is_needed(self, vertex: usize) -> bool {

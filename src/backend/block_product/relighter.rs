@@ -18,7 +18,7 @@ use crate::compress::{BinaryMaps, GrayMaps};
 use crate::error::check_length;
 use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::CubeMap;
-use crate::{Error, Result};
+use crate::{Error, Result, parallel};
 
 /// How a [`Relighter`] integrates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -113,7 +113,7 @@ impl<'a> Relighter<'a> {
             planner: Planner::new(gauge, settings.rule),
             limits: vec![Limits::default(); layout.blocks()],
             // Not clones: these would have no room.
-            scratch: (0..pieces()).map(|_| Scratch::new(layout)).collect(),
+            scratch: (0..parallel::pieces()).map(|_| Scratch::new(layout)).collect(),
             needed: Vec::new(),
             scheduled: Scheduled::new(transport),
             live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, transport.paths(), layout.blocks())),
@@ -230,12 +230,4 @@ impl<'a> Relighter<'a> {
         let frame = Frame { relighter: self, view, materials };
         Ok(with_scheduled!(&self.scheduled, maps, _schedule => frame.count(*maps, &mut scratch)))
     }
-}
-
-/// Into how many pieces a frame is cut, each with scratch of its own. The result does not depend on it.
-fn pieces() -> usize {
-    #[cfg(feature = "rayon")]
-    return 4 * rayon::current_num_threads();
-    #[cfg(not(feature = "rayon"))]
-    return 1;
 }

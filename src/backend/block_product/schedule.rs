@@ -1,10 +1,8 @@
 //! The maps once more, in the order in which frames sum them up.
 
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
-
 use super::paths::Paths;
 use super::visible::Visible;
+use crate::parallel;
 
 /// Vertices whose cosine sums are taken together: their number in a group is a byte.
 pub(super) const TOGETHER: usize = 256;
@@ -48,12 +46,8 @@ impl<C: Copy + Send + Sync> Schedule<C> {
             }
             part
         };
-        #[cfg(feature = "rayon")]
-        let parts: Vec<Self> = (0..groups).into_par_iter().map(group).collect();
-        #[cfg(not(feature = "rayon"))]
-        let parts = (0..groups).map(group);
         let mut all = Self::empty(2 * blocks);
-        for part in parts {
+        for part in parallel::map(groups, group) {
             all.counts.extend(part.counts);
             all.batches.extend(part.batches);
             all.vertices.extend(part.vertices);

@@ -1,19 +1,17 @@
 //! The database: visibility of every vertex in blocks, differentially coded.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
 
 use super::coding::{BitCutter, Coded, GrayCutter, Pathed, count_samples};
 use super::layout::BlockLayout;
 use super::paths::Paths;
 use crate::compress::{BinaryMaps, GrayMaps, RunStats};
+use crate::parallel::Watch;
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
 use crate::sphere::{CubeGrid, Face};
-use crate::{Error, Progress, Result};
+use crate::{Error, Progress, Result, parallel};
 
 /// The visibility around every vertex of a static scene: for each block of the cube map the places where it changes
 /// [Inger 2013, §4.2]. Lossless for binary maps.
@@ -84,7 +82,7 @@ impl Transport {
     ///
     /// # Errors
     /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, and beyond 2³² changes.
-    pub fn bake(baker: &VisibilityBaker, layout: &BlockLayout, progress: &impl Progress) -> Result<Self> {
+    pub fn bake(baker: &VisibilityBaker, layout: &BlockLayout, progress: &dyn Progress) -> Result<Self> {
         check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
         let scratch = || (BitCutter::new(layout), baker.scratch(), vec![0; baker.words_per_vertex()]);
         binary(layout, baker.vertices(), progress, scratch, |vertex, (cutter, rays, words)| {
@@ -106,7 +104,7 @@ impl Transport {
         mesh: &Mesh,
         layout: &BlockLayout,
         (samples, bits): (usize, u32),
-        progress: &impl Progress,
+        progress: &dyn Progress,
     ) -> Result<Self> {
         check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
         check_vertices(mesh, baker.vertices())?;
@@ -300,7 +298,7 @@ fn clip(words: &mut [u64], normal: &Vector3<f64>, centres: &[f64]) {
 fn binary<S: Send>(
     layout: &BlockLayout,
     vertices: usize,
-    progress: &impl Progress,
+    progress: &dyn Progress,
     scratch: impl Fn() -> S + Sync,
     words: impl Fn(usize, &mut S) -> (&mut BitCutter, &mut Vec<u64>) + Sync,
 ) -> Result<Transport> {
@@ -326,7 +324,7 @@ fn gray<S: Send>(
     layout: &BlockLayout,
     mesh: &Mesh,
     (samples, bits): (usize, u32),
-    progress: &impl Progress,
+    progress: &dyn Progress,
     scratch: impl Fn() -> S + Sync,
     counts: impl Fn(usize, &mut S) -> &mut Vec<u8> + Sync,
 ) -> Result<Transport> {
@@ -359,34 +357,25 @@ fn gray<S: Send>(
 fn code<M: Coded, S: Send>(
     vertices: usize,
     (len, top): (usize, u8),
-    progress: &impl Progress,
+    progress: &dyn Progress,
     scratch: &(impl Fn() -> S + Sync),
     one: impl Fn(usize, &mut S, &mut Pathed<M>) + Sync,
 ) -> Result<Pathed<M>> {
     // A few hundred pieces: enough to balance threads, few enough to report each.
     let piece = vertices.div_ceil(256).max(1);
-    let done = AtomicUsize::new(0);
-    let run = |s: &mut S, first: usize| -> Result<Pathed<M>> {
+    let watch = Watch::new(progress, vertices);
+    let pieces = parallel::try_map(vertices.div_ceil(piece), scratch, |k, s| {
         let mut part = Pathed::empty(len, top)?;
-        let end = (first + piece).min(vertices);
+        let (first, end) = (k * piece, (k * piece + piece).min(vertices));
         for vertex in first..end {
-            if vertex % 8 == 0 && progress.is_cancelled() {
-                return Err(Error::Cancelled);
+            if vertex % 8 == 0 {
+                watch.check()?;
             }
             one(vertex, s, &mut part);
         }
-        progress.advance(done.fetch_add(end - first, Ordering::Relaxed) + end - first, vertices);
+        watch.advance(end - first);
         Ok(part)
-    };
-    let firsts: Vec<usize> = (0..vertices).step_by(piece).collect();
-    #[cfg(feature = "rayon")]
-    let pieces: Vec<Pathed<M>> =
-        firsts.par_iter().map_init(scratch, |s, &first| run(s, first)).collect::<Result<_>>()?;
-    #[cfg(not(feature = "rayon"))]
-    let pieces: Vec<Pathed<M>> = {
-        let mut s = scratch();
-        firsts.iter().map(|&first| run(&mut s, first)).collect::<Result<_>>()?
-    };
+    })?;
     let mut all = Pathed::empty(len, top)?;
     pieces.iter().try_for_each(|part| all.join(part))?;
     Ok(all)

@@ -100,7 +100,7 @@ impl Biclustering {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `settings.group_rows` is 0, [`Error::Cancelled`] if `progress` asked to stop.
-    pub fn new(matrix: &SparseMatrix, settings: &BiclusterSettings, progress: &impl Progress) -> Result<Self> {
+    pub fn new(matrix: &SparseMatrix, settings: &BiclusterSettings, progress: &dyn Progress) -> Result<Self> {
         let groups = partition(matrix, settings)?;
         Ok(Self::collect(matrix, search(matrix, &groups, settings, Tracing::Off, progress)?).0)
     }
@@ -113,7 +113,7 @@ impl Biclustering {
         matrix: &SparseMatrix,
         groups: &[u32],
         settings: &BiclusterSettings,
-        progress: &impl Progress,
+        progress: &dyn Progress,
     ) -> Result<Self> {
         if groups.len() != matrix.rows() {
             return Err(Error::Length { what: "groups of rows", expected: matrix.rows(), got: groups.len() });
@@ -132,7 +132,7 @@ impl Biclustering {
     pub fn traced(
         matrix: &SparseMatrix,
         settings: &BiclusterSettings,
-        progress: &impl Progress,
+        progress: &dyn Progress,
     ) -> Result<(Self, Vec<BiclusterTrace>)> {
         let groups = partition(matrix, settings)?;
         Ok(Self::collect(matrix, search(matrix, &groups, settings, Tracing::On, progress)?))

@@ -1,8 +1,7 @@
 //! Sparse matrices of integer levels.
 
-use super::super::parallel::for_rows;
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// A sparse matrix whose entries are integer levels times one scale; compressed rows.
 ///   T_jk = scale · level_jk
@@ -221,7 +220,7 @@ impl SparseMatrix {
         check_length("right-hand sides", self.columns.saturating_mul(sides), x.len());
         check_length("product", self.rows().saturating_mul(sides), out.len());
         let scale = T::of(self.scale);
-        for_rows(out, sides, 64, |row, out| {
+        parallel::rows(out, sides, 64, |row, out| {
             out.fill(T::zero());
             let (columns, levels) = self.row(row);
             for (&column, &level) in columns.iter().zip(levels) {

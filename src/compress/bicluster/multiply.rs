@@ -1,9 +1,8 @@
 //! Products of biclusters with vectors.
 
-use super::super::parallel::for_rows;
 use super::clusters::Biclustering;
-use crate::Real;
 use crate::error::check_length;
+use crate::{Real, parallel};
 
 /// T·x from the biclusters of T, for one or several right-hand sides.
 ///   p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
@@ -121,7 +120,7 @@ impl<T: Real> BiclusterMultiplier<T> {
 
     fn run<const S: usize>(&self, x: &[T], out: &mut [T], scratch: &mut [T]) {
         let (x, _) = x.as_chunks::<S>();
-        for_rows(scratch, S, Self::CHUNK, |i, out| {
+        parallel::rows(scratch, S, Self::CHUNK, |i, out| {
             let range = self.column_offsets[i] as usize..self.column_offsets[i + 1] as usize;
             let mut sums = [T::zero(); S];
             for (&column, &weight) in self.column_indices[range.clone()].iter().zip(&self.weights[range]) {
@@ -131,7 +130,7 @@ impl<T: Real> BiclusterMultiplier<T> {
             out.copy_from_slice(&sums);
         });
         let (products, _) = scratch.as_chunks::<S>();
-        for_rows(out, S, Self::CHUNK, |row, out| {
+        parallel::rows(out, S, Self::CHUNK, |row, out| {
             let mut sums = [T::zero(); S];
             for &i in &self.members[self.row_offsets[row] as usize..self.row_offsets[row + 1] as usize] {
                 let product = &products[i as usize];
@@ -142,7 +141,7 @@ impl<T: Real> BiclusterMultiplier<T> {
     }
 
     fn run_any(&self, x: &[T], sides: usize, out: &mut [T], scratch: &mut [T]) {
-        for_rows(scratch, sides, Self::CHUNK, |i, sums| {
+        parallel::rows(scratch, sides, Self::CHUNK, |i, sums| {
             let range = self.column_offsets[i] as usize..self.column_offsets[i + 1] as usize;
             sums.fill(T::zero());
             for (&column, &weight) in self.column_indices[range.clone()].iter().zip(&self.weights[range]) {
@@ -151,7 +150,7 @@ impl<T: Real> BiclusterMultiplier<T> {
             }
         });
         let products = &*scratch;
-        for_rows(out, sides, Self::CHUNK, |row, sums| {
+        parallel::rows(out, sides, Self::CHUNK, |row, sums| {
             sums.fill(T::zero());
             for &i in &self.members[self.row_offsets[row] as usize..self.row_offsets[row + 1] as usize] {
                 let product = &products[i as usize * sides..][..sides];

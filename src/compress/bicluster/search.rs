@@ -1,14 +1,13 @@
 //! The search for all biclusters of a matrix, group by group.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use super::super::random::Random;
 use super::growth::{Grown, Growth};
 use super::matrix::SparseMatrix;
 use super::residual::{Entry, Residual};
 use super::settings::{BiclusterSettings, Seeds};
 use super::trace::{BiclusterMove, BiclusterStep, BiclusterTrace};
-use crate::{Error, Progress, Result};
+use crate::parallel::Watch;
+use crate::{Progress, Result, parallel};
 
 /// Whether to keep the moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,45 +25,26 @@ pub(super) fn search(
     groups: &[Vec<u32>],
     settings: &BiclusterSettings,
     tracing: Tracing,
-    progress: &impl Progress,
+    progress: &dyn Progress,
 ) -> Result<Vec<Found>> {
-    let watch = Watch { progress, done: AtomicUsize::new(0), total: matrix.nnz() };
-    let one = |(index, rows): (usize, &Vec<u32>)| {
+    let watch = Watch::new(progress, matrix.nnz());
+    let one = |index: usize, (): &mut ()| {
         let shuffle = match settings.seeds {
             Seeds::First => None,
             Seeds::Random(seed) => Some(Random::new(seed, index as u64)),
         };
-        Group::new(matrix, rows, shuffle).run(tracing, &watch)
+        Group::new(matrix, &groups[index], shuffle).run(tracing, &watch)
     };
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        groups.par_iter().enumerate().map(one).collect()
-    }
-    #[cfg(not(feature = "rayon"))]
-    groups.iter().enumerate().map(one).collect()
+    parallel::try_map(groups.len(), || (), one)
 }
 
-/// Counts the non-zeros that are covered, for all groups together.
-struct Watch<'a, P> {
-    progress: &'a P,
-    done: AtomicUsize,
-    total: usize,
-}
-
-impl<P: Progress> Watch<'_, P> {
-    /// Reports some thousandths at a time.
-    fn covered(&self, pending: &mut usize, last: bool) -> Result<()> {
-        if self.progress.is_cancelled() {
-            return Err(Error::Cancelled);
-        }
-        if *pending > self.total / 512 || last {
-            let more = std::mem::take(pending);
-            let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
-            self.progress.advance(done, self.total);
-        }
-        Ok(())
+/// Reports the non-zeros that were covered, some thousandths at a time.
+fn covered(watch: &Watch, pending: &mut usize, last: bool) -> Result<()> {
+    watch.check()?;
+    if *pending > watch.total() / 512 || last {
+        watch.advance(std::mem::take(pending));
     }
+    Ok(())
 }
 
 /// Some rows of the matrix and the columns that they use, numbered from 0.
@@ -116,12 +96,12 @@ impl<'a> Group<'a> {
         Some((self.first, self.residual.rows[self.first][0].index as usize))
     }
 
-    fn run<P: Progress>(mut self, tracing: Tracing, watch: &Watch<'_, P>) -> Result<Found> {
+    fn run(mut self, tracing: Tracing, watch: &Watch) -> Result<Found> {
         let mut growth = Growth::new(self.rows.len(), self.columns.len());
         let (mut found, mut traces) = (Vec::new(), Vec::new());
         let mut pending = 0;
         while let Some(seed) = self.seed() {
-            watch.covered(&mut pending, false)?;
+            covered(watch, &mut pending, false)?;
             let before = self.residual.nnz;
             let mut steps = Vec::new();
             let mut keep = |step| {
@@ -146,7 +126,7 @@ impl<'a> Group<'a> {
             }
             found.push(self.global(grown));
         }
-        watch.covered(&mut pending, true)?;
+        covered(watch, &mut pending, true)?;
         Ok((found, traces))
     }
 
@@ -178,7 +158,7 @@ mod tests {
         let residual = Residual::new(levels.iter().map(entries).collect(), 2);
         let rows: Vec<u32> = (0..11).collect();
         let group = Group { rows: &rows, columns: vec![0, 1], residual, seeds: Vec::new(), first: 0 };
-        let watch = Watch { progress: &(), done: AtomicUsize::new(0), total: 22 };
+        let watch = Watch::new(&(), 22);
         let Ok((found, traces)) = group.run(Tracing::On, &watch) else { panic!("nobody cancels") };
         assert!(traces.len() == found.len() && found[0].saving == 0 && traces[0].steps.is_empty());
         let mut sum = [[0i64; 2]; 11];

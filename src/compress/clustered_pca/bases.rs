@@ -3,9 +3,8 @@
 use pulp::Arch;
 
 use super::super::dense::{Scaling, dot_wide};
-use super::super::parallel::map;
 use super::super::pca::{PcaSettings, Source, fit};
-use crate::Real;
+use crate::{Real, parallel};
 
 /// For each cluster its mean and then its components; those that a cluster lacks are zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +35,7 @@ impl<T: Real> Bases<T> {
     ) -> Self {
         let members = members(labels, clusters);
         let arch = Arch::new();
-        let bases = map(clusters, |c| {
+        let bases = parallel::map(clusters, |c| {
             let order = &members[c];
             let mut basis = vec![T::zero(); columns * (settings.components + 1)];
             if order.is_empty() {

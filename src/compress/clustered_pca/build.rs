@@ -1,13 +1,12 @@
 //! Clustering, round after round.
 
-use std::sync::atomic::AtomicUsize;
-
 use super::super::dense::Scaling;
 use super::super::pca::{Moments, PcaSettings};
 use super::bases::Bases;
-use super::nearest::{Nearest, Place, Watch};
+use super::nearest::{Nearest, Place};
 use super::seeds::far_rows;
 use super::settings::ClusteredPcaSettings;
+use crate::parallel::Watch;
 use crate::{Progress, Real, Result};
 
 /// Where to begin.
@@ -21,24 +20,29 @@ pub(super) enum Start<'a> {
 /// Means and components, and the cluster of each row.
 pub(super) type Built<T> = (Bases<T>, Vec<u32>);
 
-pub(super) struct Builder<'a, T, P> {
+pub(super) struct Builder<'a, T> {
     matrix: &'a [T],
     columns: usize,
     /// The mean of all rows.
     centre: Vec<T>,
     scaling: Scaling,
     settings: &'a ClusteredPcaSettings,
-    watch: Watch<'a, P>,
+    watch: Watch<'a>,
 }
 
-impl<'a, T: Real, P: Progress> Builder<'a, T, P> {
-    pub fn new(matrix: &'a [T], columns: usize, settings: &'a ClusteredPcaSettings, progress: &'a P) -> Result<Self> {
+impl<'a, T: Real> Builder<'a, T> {
+    pub fn new(
+        matrix: &'a [T],
+        columns: usize,
+        settings: &'a ClusteredPcaSettings,
+        progress: &'a dyn Progress,
+    ) -> Result<Self> {
         let moments = Moments::of(matrix, columns)?;
         let centre = moments.mean.iter().map(|&m| T::of(m)).collect();
         let scaling = Scaling::of::<T>(moments.largest);
         let rounds = settings.iterations.saturating_mul(2).saturating_add(1);
         let total = (matrix.len() / columns).saturating_mul(rounds);
-        let watch = Watch { progress, finished: AtomicUsize::new(0), total };
+        let watch = Watch::new(progress, total);
         Ok(Self { matrix, columns, centre, scaling, settings, watch })
     }
 
@@ -71,7 +75,7 @@ impl<'a, T: Real, P: Progress> Builder<'a, T, P> {
         self.watch.check()?;
         let mut labels: Vec<u32> = places.iter().map(|place| place.label).collect();
         let bases = self.fit(&labels, clusters, self.settings.components).without_empty(&mut labels);
-        self.watch.skip_to(self.watch.total);
+        self.watch.skip_to(self.watch.total());
         Ok((bases, labels))
     }
 

@@ -4,14 +4,14 @@ use pulp::Arch;
 
 use super::super::dense::{Factors, Part, Rows, Scaling, times_rows};
 use super::super::distortion::Distortion;
-use super::super::parallel::for_rows;
 use super::super::pca::{add_up, check_matrix};
 use super::bases::Bases;
 use super::build::{Builder, Start};
-use super::nearest::{Nearest, Place, Watch};
+use super::nearest::{Nearest, Place};
 use super::settings::ClusteredPcaSettings;
 use crate::error::check_length;
-use crate::{Error, Progress, Real, Result};
+use crate::parallel::Watch;
+use crate::{Error, Progress, Real, Result, parallel};
 
 /// The rows of a matrix, each as a cluster c and weights of that cluster's principal components [Sloan, Hall, Hart & Snyder 2003].
 ///   x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
@@ -80,12 +80,7 @@ impl<T: Real> ClusteredPca<T> {
     /// # Errors
     /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`]; [`Error::OutOfRange`] without clusters, for
     /// too many components, a tolerance that is negative or NaN, 2^32 rows, and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
-    pub fn new(
-        matrix: &[T],
-        columns: usize,
-        settings: &ClusteredPcaSettings,
-        progress: &impl Progress,
-    ) -> Result<Self> {
+    pub fn new(matrix: &[T], columns: usize, settings: &ClusteredPcaSettings, progress: &dyn Progress) -> Result<Self> {
         check(matrix, columns, settings)?;
         Self::build(matrix, columns, settings, progress, Start::Seeds)
     }
@@ -100,7 +95,7 @@ impl<T: Real> ClusteredPca<T> {
         columns: usize,
         labels: &[u32],
         settings: &ClusteredPcaSettings,
-        progress: &impl Progress,
+        progress: &dyn Progress,
     ) -> Result<Self> {
         let rows = check(matrix, columns, settings)?;
         if labels.len() != rows {
@@ -118,7 +113,7 @@ impl<T: Real> ClusteredPca<T> {
         matrix: &[T],
         columns: usize,
         settings: &ClusteredPcaSettings,
-        progress: &impl Progress,
+        progress: &dyn Progress,
         start: Start,
     ) -> Result<Self> {
         let (bases, labels) = Builder::new(matrix, columns, settings, progress)?.run(start)?;
@@ -190,7 +185,7 @@ impl<T: Real> ClusteredPca<T> {
     /// Rows from `first` on, as many as `out` has.
     fn reconstruct_rows(&self, first: usize, out: &mut [T]) {
         let (arch, k) = (Arch::new(), self.components());
-        for_rows(out, self.columns(), 16, |row, out| {
+        parallel::rows(out, self.columns(), 16, |row, out| {
             let row = first + row;
             let (mean, components) = self.bases.cluster(self.labels[row] as usize);
             let weights = &self.weights[row * k..][..k];
@@ -225,7 +220,7 @@ impl<T: Real> ClusteredPca<T> {
         }
         let scaling = Scaling::of::<T>((0..self.clusters()).fold(largest(rows), |max, c| max.max(largest(mean(c)))));
         let mut places = vec![Place { label: u32::MAX, error: 0.0 }; count];
-        let watch = Watch { progress: &(), finished: 0.into(), total: count };
+        let watch = Watch::new(&(), count);
         Nearest::new(&self.bases, &centre, scaling).nearest(rows, &mut places, &watch)?;
         labels.iter_mut().zip(&places).for_each(|(label, place)| *label = place.label);
         weigh(&self.bases, rows, labels, weights);
@@ -288,7 +283,7 @@ impl<T: Real> ClusteredPca<T> {
     fn gather<const S: usize>(&self, met: &[T], out: &mut [T]) {
         let (met, _) = met.as_chunks::<S>();
         let k = self.components();
-        for_rows(out, S, 256, |row, out| {
+        parallel::rows(out, S, 256, |row, out| {
             let met = &met[self.labels[row] as usize * (k + 1)..][..k + 1];
             let mut sums = met[0];
             for (&weight, met) in self.weights[row * k..][..k].iter().zip(&met[1..]) {
@@ -300,7 +295,7 @@ impl<T: Real> ClusteredPca<T> {
 
     fn gather_any(&self, sides: usize, met: &[T], out: &mut [T]) {
         let k = self.components();
-        for_rows(out, sides, 64, |row, out| {
+        parallel::rows(out, sides, 64, |row, out| {
             let met = &met[self.labels[row] as usize * (k + 1) * sides..][..(k + 1) * sides];
             out.copy_from_slice(&met[..sides]);
             for (&weight, met) in self.weights[row * k..][..k].iter().zip(met[sides..].chunks_exact(sides)) {
@@ -334,7 +329,7 @@ fn check<T>(matrix: &[T], columns: usize, settings: &ClusteredPcaSettings) -> Re
 /// Weights of rows in the clusters that `labels` name.
 fn weigh<T: Real>(bases: &Bases<T>, rows: &[T], labels: &[u32], weights: &mut [T]) {
     let arch = Arch::new();
-    for_rows(weights, bases.components, 64, |row, weights| {
+    parallel::rows(weights, bases.components, 64, |row, weights| {
         let mut difference = vec![0.0; bases.columns];
         let x = &rows[row * bases.columns..][..bases.columns];
         arch.dispatch(|| bases.distance(labels[row] as usize, x, 1.0, &mut difference, weights));

@@ -4,14 +4,12 @@
 //! clusters and left out is |x|². Everything is about the mean of the matrix and scaled, so that the sums, in the matrix's precision, lose little. What
 //! rounding may still confuse are clusters that are equally good; the squared error itself is taken from the row in `f64`.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-
 use pulp::{Arch, Simd, WithSimd};
 
 use super::super::dense::{Factors, Part, Rows, Scaling, dot, times_some_rows};
-use super::super::parallel::for_chunks;
 use super::bases::Bases;
-use crate::{Error, Progress, Real, Result};
+use crate::parallel::Watch;
+use crate::{Real, Result, parallel};
 
 /// Rows of a task: all means and components pass by it once.
 const CHUNK: usize = 192;
@@ -67,21 +65,22 @@ impl<'a, T: Real> Nearest<'a, T> {
     ///
     /// # Errors
     /// [`Error::Cancelled`], and `places` are of no use.
-    pub fn nearest(&self, matrix: &[T], places: &mut [Place], watch: &Watch<impl Progress>) -> Result<()> {
+    pub fn nearest(&self, matrix: &[T], places: &mut [Place], watch: &Watch) -> Result<()> {
         let rows = Rows::new(matrix, &self.shift, self.scaling);
-        let stop = AtomicBool::new(false);
-        for_chunks(places, CHUNK, |chunk, places| {
-            if stop.load(Ordering::Relaxed) || watch.progress.is_cancelled() {
-                stop.store(true, Ordering::Relaxed);
-                return;
-            }
-            let mut products = vec![T::zero(); places.len() * self.factors.len()];
-            times_some_rows(self.arch, &rows, &self.factors, (chunk * CHUNK, Part::All), &mut products);
-            let rows = &matrix[chunk * CHUNK * self.bases.columns..];
-            self.arch.dispatch(Choose { plan: self, rows, products: &products, places });
-            watch.done(places.len());
-        });
-        if stop.into_inner() { Err(Error::Cancelled) } else { Ok(()) }
+        parallel::try_chunks(
+            places,
+            CHUNK,
+            || (),
+            |chunk, places, ()| {
+                watch.check()?;
+                let mut products = vec![T::zero(); places.len() * self.factors.len()];
+                times_some_rows(self.arch, &rows, &self.factors, (chunk * CHUNK, Part::All), &mut products);
+                let rows = &matrix[chunk * CHUNK * self.bases.columns..];
+                self.arch.dispatch(Choose { plan: self, rows, products: &products, places });
+                watch.advance(places.len());
+                Ok(())
+            },
+        )
     }
 
     /// The cluster with the least |m|² − 2 x·m − Σ (x·u − m·u)²; the first of equals.
@@ -129,29 +128,5 @@ impl<T: Real> WithSimd for Choose<'_, '_, T> {
             };
             *place = if before <= error { Place { error: before, ..*place } } else { Place { label: best, error } };
         }
-    }
-}
-
-/// Counts rows.
-pub(super) struct Watch<'a, P> {
-    pub progress: &'a P,
-    pub finished: AtomicUsize,
-    pub total: usize,
-}
-
-impl<P: Progress> Watch<'_, P> {
-    pub fn done(&self, rows: usize) {
-        let before = self.finished.fetch_add(rows, Ordering::Relaxed);
-        self.progress.advance(before.saturating_add(rows).min(self.total), self.total);
-    }
-
-    /// Goes on to `rows`, whatever was left out.
-    pub fn skip_to(&self, rows: usize) {
-        self.finished.store(rows, Ordering::Relaxed);
-        self.progress.advance(rows, self.total);
-    }
-
-    pub fn check(&self) -> Result<()> {
-        if self.progress.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
     }
 }

@@ -3,9 +3,8 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::super::dense::Scaling;
-use super::super::parallel::for_rows;
 use super::super::random::Random;
-use crate::Real;
+use crate::{Real, parallel};
 
 /// Rows of the sample for each cluster.
 const SAMPLE: usize = 16;
@@ -33,7 +32,7 @@ pub(super) fn far_rows<T: Real>(
     let mut drawn = vec![sample[random.below(sample.len())]];
     while drawn.len() < clusters {
         let last = row(drawn[drawn.len() - 1]);
-        for_rows(&mut distances, 1, 64, |i, distance| {
+        parallel::rows(&mut distances, 1, 64, |i, distance| {
             distance[0] =
                 distance[0].min(arch.dispatch(Distance { a: row(sample[i]), b: last, factor: scaling.factor() }));
         });

@@ -2,10 +2,9 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::super::parallel::for_chunks;
 use super::rows::Rows;
 use super::tile::{DEPTH, LEFT_TILE, TILE_ROWS, Tiles, tile_columns};
-use crate::Real;
+use crate::{Real, parallel};
 
 /// Which elements of a symmetric product are wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +58,12 @@ const CHUNK: usize = 16 * TILE_ROWS;
 pub(in super::super) fn times_rows<T: Real, E: Real>(rows: &Rows<T, E>, q: &Factors<E>, part: Part, out: &mut [E]) {
     assert!(rows.columns() == q.columns && out.len() == rows.len() * q.len);
     let arch = Arch::new();
-    for_chunks(out, CHUNK * q.len, |chunk, out| times_some_rows(arch, rows, q, (chunk * CHUNK, part), out));
+    parallel::chunks(
+        out,
+        CHUNK * q.len,
+        || (),
+        |chunk, out, ()| times_some_rows(arch, rows, q, (chunk * CHUNK, part), out),
+    );
 }
 
 /// The part of [`times_rows`] that begins at row `start` and has as many rows as `out`, on this thread.
@@ -153,7 +157,12 @@ pub(in super::super) fn there_and_back<T: Real, E: Real>(rows: &Rows<T, E>, q: &
     let mut sums = TransposeSums::new(p, Part::All, rows.columns());
     for start in (0..rows.len()).step_by(DEPTH) {
         let y = &mut y[..DEPTH.min(rows.len() - start) * p];
-        for_chunks(y, CHUNK * p, |chunk, out| times_some_rows(arch, rows, q, (start + chunk * CHUNK, Part::All), out));
+        parallel::chunks(
+            y,
+            CHUNK * p,
+            || (),
+            |chunk, out, ()| times_some_rows(arch, rows, q, (start + chunk * CHUNK, Part::All), out),
+        );
         sums.add(rows, start, Left::Matrix(y, p));
     }
     sums.finish()
@@ -184,10 +193,15 @@ impl<E: Real> TransposeSums<E> {
         let depth = DEPTH.min(rows.len() - first);
         pack_left(rows, left, (first, depth), &mut self.tiles);
         let (arch, part, p, tiles) = (self.arch, self.part, self.p, &self.tiles);
-        for_chunks(&mut self.blocks, p * BLOCK, |block, out| {
-            let terms = Terms { first, depth, start: block * BLOCK, width: out.len() / p, part };
-            transpose_times_block(arch, rows, tiles, terms, out);
-        });
+        parallel::chunks(
+            &mut self.blocks,
+            p * BLOCK,
+            || (),
+            |block, out, ()| {
+                let terms = Terms { first, depth, start: block * BLOCK, width: out.len() / p, part };
+                transpose_times_block(arch, rows, tiles, terms, out);
+            },
+        );
     }
 
     fn finish(self) -> Vec<f64> {

@@ -4,12 +4,11 @@ use pulp::Arch;
 
 use super::super::dense::{Factors, Part, Rows, Scaling, times_rows};
 use super::super::distortion::Distortion;
-use super::super::parallel::for_rows;
 use super::fit::{Source, fit};
 use super::moments::Moments;
 use super::settings::{Centre, PcaSettings};
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// Principal components of the rows of a matrix: the mean and the directions in which rows vary most.
 ///   x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
@@ -172,7 +171,7 @@ impl<T: Real> Pca<T> {
         check_length("rows", count * self.columns(), rows.len());
         check_length("weights", count * self.len(), weights.len());
         let arch = Arch::new();
-        for_rows(rows, self.columns(), 16, |row, out| {
+        parallel::rows(rows, self.columns(), 16, |row, out| {
             let weights = &weights[row * self.len()..][..self.len()];
             arch.dispatch(|| add_up(&self.mean, &self.components, weights, out));
         });

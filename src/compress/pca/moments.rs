@@ -2,8 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::super::parallel::map;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// First and second moments of the columns about a row of the matrix, and the largest magnitude.
 pub(in super::super) struct Moments {
@@ -27,7 +26,7 @@ impl Moments {
         const CHUNK: usize = 512;
         let rows = data.len() / columns;
         let arch = Arch::new();
-        let pieces = map(rows.div_ceil(CHUNK), |piece| {
+        let pieces = parallel::map(rows.div_ceil(CHUNK), |piece| {
             let chunk = &data[piece * CHUNK * columns..data.len().min((piece + 1) * CHUNK * columns)];
             arch.dispatch(Piece { reference: &data[..columns], chunk })
         });

@@ -1,9 +1,8 @@
 //! 8 bits a number, with an offset and a step for numbers that belong together.
 
 use super::super::distortion::Distortion;
-use super::super::parallel::for_rows;
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// Which numbers of a row-major matrix share an offset and a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -97,7 +96,7 @@ impl<T: Real> QuantisedBytes<T> {
             *step = T::of(range.widen() / 255.0);
         }
         let mut codes = std::mem::take(&mut all.codes);
-        for_rows(&mut codes, 1, 4096, |i, code| code[0] = all.code(i, values[i]));
+        parallel::rows(&mut codes, 1, 4096, |i, code| code[0] = all.code(i, values[i]));
         all.codes = codes;
         all.distortion = Distortion::of_rows(values, 1, |first, _, out| {
             out.iter_mut().enumerate().for_each(|(i, out)| *out = all.value(first + i));
@@ -164,7 +163,7 @@ impl<T: Real> QuantisedBytes<T> {
     #[track_caller]
     pub fn decode(&self, out: &mut [T]) {
         check_length("numbers", self.codes.len(), out.len());
-        for_rows(out, 1, 4096, |i, out| out[0] = self.value(i));
+        parallel::rows(out, 1, 4096, |i, out| out[0] = self.value(i));
     }
 
     /// How far rounding moved the numbers.

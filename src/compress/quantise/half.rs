@@ -1,9 +1,8 @@
 //! IEEE 754 binary16: 1 sign bit, 5 of exponent, 10 of fraction.
 
 use super::super::distortion::Distortion;
-use super::super::parallel::for_rows;
 use crate::error::check_length;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
 
 /// The number of binary16 nearest to `x`, as its bits; halfway between two the one with an even last bit.
 ///
@@ -72,7 +71,7 @@ impl QuantisedHalf {
             return Err(Error::OutOfRange { what: "number", got: x.widen(), allowed: "below 65520 in magnitude" });
         }
         let mut bits = vec![0; values.len()];
-        for_rows(&mut bits, 1, 4096, |i, bits| bits[0] = real_to_half(values[i]));
+        parallel::rows(&mut bits, 1, 4096, |i, bits| bits[0] = real_to_half(values[i]));
         let distortion = Distortion::of_rows(values, 1, |first, _, out| {
             out.iter_mut().zip(&bits[first..]).for_each(|(out, &bits)| *out = half_to_real(bits));
         });
@@ -92,7 +91,7 @@ impl QuantisedHalf {
     #[track_caller]
     pub fn decode<T: Real>(&self, out: &mut [T]) {
         check_length("numbers", self.bits.len(), out.len());
-        for_rows(out, 1, 4096, |i, out| out[0] = half_to_real(self.bits[i]));
+        parallel::rows(out, 1, 4096, |i, out| out[0] = half_to_real(self.bits[i]));
     }
 
     /// How far rounding moved the numbers.

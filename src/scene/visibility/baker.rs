@@ -1,7 +1,6 @@
 //! Visibility of every texel from every vertex.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nalgebra::Vector3;
 
@@ -11,6 +10,7 @@ use super::origin::origins;
 use super::trace::{TraceFace, View, Waiting, centre, occluded};
 use super::{BinaryVisibility, FractionalVisibility};
 use crate::error::check_length;
+use crate::parallel::{self, Watch};
 use crate::scene::bvh::FARTHEST_ORIGIN;
 use crate::scene::{Bvh, Mesh};
 use crate::sphere::{CubeGrid, Face};
@@ -260,7 +260,7 @@ impl VisibilityBaker {
     ///
     /// # Errors
     /// [`Error::Cancelled`] if `progress` asked to stop, [`Error::OutOfRange`] if the result does not fit in memory.
-    pub fn bake(&self, progress: &impl Progress) -> Result<BinaryVisibility> {
+    pub fn bake(&self, progress: &dyn Progress) -> Result<BinaryVisibility> {
         let per_vertex = self.words_per_vertex();
         let words = self.fill(per_vertex, progress, |vertex, words, scratch| {
             self.bake_vertex_with_scratch(vertex, words, scratch);
@@ -275,7 +275,7 @@ impl VisibilityBaker {
     /// # Errors
     /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples` is at
     /// most [`CubeGrid::MAX_SIDE`].
-    pub fn bake_fractional(&self, samples: usize, progress: &impl Progress) -> Result<FractionalVisibility> {
+    pub fn bake_fractional(&self, samples: usize, progress: &dyn Progress) -> Result<FractionalVisibility> {
         check_samples(samples)?;
         let fine = self.with_grid(CubeGrid::new(self.grid.side() * samples)?);
         let counts = fine.fill(self.grid.len(), progress, |vertex, counts, scratch| {
@@ -289,7 +289,7 @@ impl VisibilityBaker {
     fn fill<T: Copy + Default + Send>(
         &self,
         per_vertex: usize,
-        progress: &impl Progress,
+        progress: &dyn Progress,
         one: impl Fn(usize, &mut [T], &mut VisibilityScratch) + Sync,
     ) -> Result<Vec<T>> {
         let vertices = self.vertices();
@@ -304,30 +304,22 @@ impl VisibilityBaker {
         all.resize(len, T::default());
         // A few hundred pieces: enough to balance threads, few enough to report each.
         let piece = vertices.div_ceil(256);
-        let done = AtomicUsize::new(0);
-        let run = |(index, part): (usize, &mut [T]), scratch: &mut VisibilityScratch| {
-            for (k, values) in part.chunks_exact_mut(per_vertex).enumerate() {
-                if k % 8 == 0 && progress.is_cancelled() {
-                    return Err(Error::Cancelled);
+        let watch = Watch::new(progress, vertices);
+        parallel::try_chunks(
+            &mut all,
+            piece * per_vertex,
+            || self.scratch(),
+            |index, part, scratch| {
+                for (k, values) in part.chunks_exact_mut(per_vertex).enumerate() {
+                    if k % 8 == 0 {
+                        watch.check()?;
+                    }
+                    one(index * piece + k, values, scratch);
                 }
-                one(index * piece + k, values, scratch);
-            }
-            let finished = part.len() / per_vertex;
-            progress.advance(done.fetch_add(finished, Ordering::Relaxed) + finished, vertices);
-            Ok(())
-        };
-        #[cfg(feature = "rayon")]
-        {
-            use rayon::prelude::*;
-            all.par_chunks_mut(piece * per_vertex)
-                .enumerate()
-                .try_for_each_init(|| self.scratch(), |scratch, part| run(part, scratch))?;
-        }
-        #[cfg(not(feature = "rayon"))]
-        {
-            let mut scratch = self.scratch();
-            all.chunks_mut(piece * per_vertex).enumerate().try_for_each(|part| run(part, &mut scratch))?;
-        }
+                watch.advance(part.len() / per_vertex);
+                Ok(())
+            },
+        )?;
         Ok(all)
     }
 }

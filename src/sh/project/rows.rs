@@ -9,8 +9,8 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::Channels;
-use crate::Real;
 use crate::numeric::arch_256;
+use crate::{Real, parallel};
 
 /// Functions are padded to a multiple of this.
 const PAD: usize = 8;
@@ -289,18 +289,13 @@ pub(super) fn for_each_slot<T: Send>(
     operations: usize,
     f: impl Fn(usize, &mut [T]) + Sync,
 ) {
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        /// About a tenth of a millisecond of multiplications and additions, in vectors.
-        const WORTH: usize = 1 << 20;
-        if (out.len() / stride).saturating_mul(operations) > WORTH {
-            out.par_chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
-            return;
-        }
+    /// About a tenth of a millisecond of multiplications and additions, in vectors.
+    const WORTH: usize = 1 << 20;
+    if (out.len() / stride).saturating_mul(operations) > WORTH {
+        parallel::chunks(out, stride, || (), |i, slot, ()| f(i, slot));
+    } else {
+        out.chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
     }
-    let _ = operations;
-    out.chunks_mut(stride).enumerate().for_each(|(i, slot)| f(i, slot));
 }
 
 /// Pairs of mirrored rows, from the outside in; a middle row comes with an empty one.

@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 
 use super::errors::{Checks, Codes, Errors};
 use super::gauge::Gauge;
-use super::{cell_of, each, half_sine};
+use super::{cell_of, half_sine};
+use crate::parallel;
 
 /// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
 #[derive(Debug, Clone)]
@@ -38,7 +39,7 @@ impl MirrorBounds {
             let nearest = (before - gauge.radius).max(0.0).cos();
             most.with_a_pixel_of(if nearest > 0.0 { nearest.powf(exponent) } else { 0.0 }, gauge.side)
         };
-        each(MIRROR_CELLS + 1, edge)
+        parallel::map(MIRROR_CELLS + 1, edge)
     }
 
     /// The worse of two exponents' errors, and of a cell's two edges.

@@ -18,22 +18,11 @@ mod lanes;
 mod mirror;
 mod wide;
 
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
-
 pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
 pub(super) use grid::Symmetry;
 pub(super) use mirror::MirrorBounds;
 pub(super) use wide::{Place, WideBounds, WideNodes, WideView, local_axes};
-
-/// Runs `one` for 0…count, in parallel.
-fn each(count: usize, one: impl Fn(usize) -> Errors + Send + Sync) -> Vec<Errors> {
-    #[cfg(feature = "rayon")]
-    return (0..count).into_par_iter().map(one).collect();
-    #[cfg(not(feature = "rayon"))]
-    return (0..count).map(one).collect();
-}
 
 /// The cell of a number in [0, 1], of `count` equal ones.
 #[inline(always)]

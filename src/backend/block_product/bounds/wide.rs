@@ -8,9 +8,6 @@
 //! larger than their mean by R/4 (a Gaussian's). They are increased by R²/8, up to the larger one, which with the
 //! octave that all errors are increased by is always as much.
 
-#[cfg(feature = "rayon")]
-use rayon::prelude::*;
-
 use nalgebra::Vector3;
 
 use super::cell_of;
@@ -18,6 +15,7 @@ use super::errors::{Checks, Codes, STEPS, code};
 use super::gauge::{Gauge, Probe};
 use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
 use super::lanes::{self, larger};
+use crate::parallel;
 use crate::scene::{Axes, Kernel, narrow};
 
 /// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
@@ -68,11 +66,7 @@ impl WideNodes {
             entries
         };
         let nodes = (grid.elevations + 1) * grid.turns();
-        #[cfg(feature = "rayon")]
-        let entries = (0..nodes).into_par_iter().flat_map_iter(viewer).collect();
-        #[cfg(not(feature = "rayon"))]
-        let entries = (0..nodes).flat_map(viewer).collect();
-        Self { grid, entries }
+        Self { grid, entries: parallel::map(nodes, viewer).concat() }
     }
 
     /// The larger errors of both.
