@@ -3,9 +3,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haarmonic::backend::wavelet::{
-    DoubleRelighter, DoubleSettings, DoubleTransport, Slices, TripleRelighter, TripleSettings, TripleTransport,
-};
+use haarmonic::backend::wavelet_double as double;
+use haarmonic::backend::wavelet_triple::{self as triple, Slices};
 use haarmonic::haar::{Keep, Weighting};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -22,7 +21,7 @@ fn relight(criterion: &mut Criterion) {
     let light = EnvironmentLight::from_sky(Sky::default()).expect("the sky is sound").to_cube(grid);
     let view = View::eye(model.camera.eye().cast()).expect("the eye is finite");
     let mut out = vec![Vector3::zeros(); visibility.vertices()];
-    let transport = TripleTransport::new(visibility.clone()).expect("64 is a power of two");
+    let transport = triple::Transport::from_binary(visibility.clone()).expect("64 is a power of two");
 
     let mut group = criterion.benchmark_group("relight");
     group.throughput(Throughput::Elements(out.len() as u64));
@@ -35,13 +34,14 @@ fn relight(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::new("ground_truth", name), |b| {
             b.iter(|| black_box(truth.radiance(&TexelVisibility::Binary(&visibility), &()).expect("sound")));
         });
-        let double = DoubleSettings::default();
-        let double = DoubleTransport::bake(&model.mesh, &visibility, materials, &view, &double, &()).expect("sound");
-        let mut relighter = DoubleRelighter::new(&double).expect("sound");
+        let double = double::BakeSettings::default();
+        let double = double::Transport::bake(&model.mesh, &visibility, &view, materials, double, &()).expect("sound");
+        let settings = double::Settings { light_terms: Keep::Fraction(0.01), weighting: Weighting::Integral };
+        let mut relighter = double::Relighter::new(&double, settings).expect("sound");
         group.bench_function(BenchmarkId::new("double_1%", name), |b| {
             b.iter(|| {
-                relighter.set_light(&light, Keep::Fraction(0.01), Weighting::Integral).expect("sound");
-                relighter.relight(&mut out);
+                relighter.set_light(&light).expect("sound");
+                relighter.relight(&view, materials, &mut out).expect("sound");
             });
         });
         let tabulated = ("triple_table16_1%", Keep::Fraction(0.01), Slices::Tabulated(16));
@@ -52,9 +52,9 @@ fn relight(criterion: &mut Criterion) {
         // A table of slices by normal and view is no gain where every vertex has a view of its own.
         let with_table = (*name == "lambert").then_some(tabulated);
         for (method, terms, slices) in sampled.into_iter().chain(with_table) {
-            let settings = TripleSettings { light_terms: terms, brdf_terms: terms, slices };
             let weighting = Weighting::Integral;
-            let mut relighter = TripleRelighter::new(&model.mesh, &transport, settings, weighting).expect("sound");
+            let settings = triple::Settings { light_terms: terms, brdf_terms: terms, weighting, slices };
+            let mut relighter = triple::Relighter::new(&model.mesh, &transport, settings).expect("sound");
             group.bench_function(BenchmarkId::new(method, name), |b| {
                 b.iter(|| {
                     relighter.set_light(&light).expect("sound");

@@ -78,6 +78,11 @@ pub enum Error {
         /// What is wrong there.
         reason: &'static str,
     },
+    /// Something is part of a transport that was baked, and another one was asked for.
+    Baked {
+        /// What is baked.
+        what: &'static str,
+    },
     /// The caller's `Progress` asked to stop.
     Cancelled,
     /// A file or stream could not be read or written.
@@ -104,6 +109,7 @@ impl std::fmt::Display for Error {
             Self::Empty { what } => write!(f, "{what} is empty"),
             Self::Syntax { what, given, reason } => write!(f, "{what} '{given}': {reason}"),
             Self::Damaged { what, offset, reason } => write!(f, "{what}, byte {offset}: {reason}"),
+            Self::Baked { what } => write!(f, "the {what} is baked into the transport: bake it again for another"),
             Self::Cancelled => f.write_str("cancelled by the caller"),
             Self::File { path, place, reason } if place.is_empty() => write!(f, "{}: {reason}", path.display()),
             Self::File { path, place, reason } => write!(f, "{}, {place}: {reason}", path.display()),

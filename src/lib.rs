@@ -24,12 +24,28 @@
 #![cfg_attr(feature = "io", doc = "| [`io`] | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
 #![cfg_attr(not(feature = "io"), doc = "| `io` | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
 #![cfg_attr(
-    feature = "wavelet",
-    doc = "| [`backend::wavelet`] | all-frequency relighting: double product [Ng 2003], triple product [Ng 2004] | `wavelet` |"
+    feature = "wavelet_double",
+    doc = "| [`backend::wavelet_double`] | relighting by double products, view and materials fixed [Ng 2003] | `wavelet_double` |"
 )]
 #![cfg_attr(
-    not(feature = "wavelet"),
-    doc = "| `backend::wavelet` | all-frequency relighting: double product [Ng 2003], triple product [Ng 2004] | `wavelet` |"
+    not(feature = "wavelet_double"),
+    doc = "| `backend::wavelet_double` | relighting by double products, view and materials fixed [Ng 2003] | `wavelet_double` |"
+)]
+#![cfg_attr(
+    feature = "wavelet_triple",
+    doc = "| [`backend::wavelet_triple`] | relighting by triple products [Ng 2004] | `wavelet_triple` |"
+)]
+#![cfg_attr(
+    not(feature = "wavelet_triple"),
+    doc = "| `backend::wavelet_triple` | relighting by triple products [Ng 2004] | `wavelet_triple` |"
+)]
+#![cfg_attr(
+    feature = "block_product",
+    doc = "| [`backend::block_product`] | relighting by locally adaptive products [Inger 2013] | `block_product` |"
+)]
+#![cfg_attr(
+    not(feature = "block_product"),
+    doc = "| `backend::block_product` | relighting by locally adaptive products [Inger 2013] | `block_product` |"
 )]
 #![cfg_attr(
     feature = "reference",
@@ -61,8 +77,8 @@
 //! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
 //! | a sparse matrix of few values | a cheaper way to multiply by it | [`compress::Biclustering`] |
 //! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
-//! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet::DoubleRelighter` |
-//! | a static scene | new light, view and materials in each frame | `backend::wavelet::TripleRelighter` |
+//! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet_double::Relighter` |
+//! | a static scene | new light, view and materials in each frame | `backend::wavelet_triple::Relighter` |
 //! | a method of your own | the right answer to compare with | `scene::GroundTruth`, `scene::Comparison` |
 //!
 //! # Conventions
@@ -97,7 +113,7 @@ mod progress;
 mod real;
 
 pub mod affine;
-#[cfg(any(feature = "block_product", feature = "wavelet"))]
+#[cfg(any(feature = "block_product", feature = "wavelet_double", feature = "wavelet_triple"))]
 pub mod backend;
 pub mod compress;
 pub mod dct;
@@ -111,6 +127,7 @@ pub mod reference;
 pub mod scene;
 pub mod sh;
 pub mod sphere;
+pub mod store;
 #[cfg(feature = "proptest")]
 pub mod strategies;
 pub mod table;

@@ -2,13 +2,12 @@
 //!
 //! The hashes of what a small scene gives are compared between pools of 1, 2 and 5 threads; the build without feature `rayon`
 //! runs the same code once and compares with the hashes that a build with threads wrote next to its test binary, if there is one.
-#![cfg(all(feature = "wavelet", feature = "scene"))]
+#![cfg(feature = "backends")]
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use haarmonic::backend::wavelet::{
-    DoubleRelighter, DoubleSettings, DoubleTransport, Slices, TripleRelighter, TripleSettings, TripleTransport,
-};
+use haarmonic::backend::wavelet_double as double;
+use haarmonic::backend::wavelet_triple::{self as triple, Slices};
 use haarmonic::haar::{Keep, Weighting};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -65,17 +64,19 @@ fn hashes() -> [u64; 7] {
     let truth = truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap();
     let mut out = vec![Vector3::zeros(); truth.len()];
 
-    let double = DoubleTransport::bake(&model.mesh, &visibility, &materials, &view, &DoubleSettings::default(), &());
+    let double =
+        double::Transport::bake(&model.mesh, &visibility, &view, &materials, double::BakeSettings::default(), &());
     let double = double.unwrap();
-    let mut relighter = DoubleRelighter::new(&double).unwrap();
-    relighter.set_light(&light, Keep::Fraction(0.05), Weighting::Area).unwrap();
-    relighter.relight(&mut out);
+    let settings = double::Settings { light_terms: Keep::Fraction(0.05), weighting: Weighting::Area };
+    let mut relighter = double::Relighter::new(&double, settings).unwrap();
+    relighter.set_light(&light).unwrap();
+    relighter.relight(&view, &materials, &mut out).unwrap();
     let by_double = bits(&out);
 
-    let transport = TripleTransport::new(visibility.clone()).unwrap();
+    let transport = triple::Transport::from_binary(visibility.clone()).unwrap();
     let triple = [Slices::Sampled, Slices::Tabulated(8)].map(|slices| {
-        let settings = TripleSettings { slices, ..TripleSettings::default() };
-        let mut relighter = TripleRelighter::new(&model.mesh, &transport, settings, Weighting::Integral).unwrap();
+        let settings = triple::Settings { slices, ..triple::Settings::default() };
+        let mut relighter = triple::Relighter::new(&model.mesh, &transport, settings).unwrap();
         relighter.set_light(&light).unwrap();
         relighter.relight(&view, &materials, &mut out).unwrap();
         bits(&out)

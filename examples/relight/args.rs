@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
 use haarmonic::backend::block_product::Rule;
-use haarmonic::haar::Keep;
+use haarmonic::haar::{Keep, Weighting};
 use haarmonic::io::{MeshOptions, Up, Winding};
 use haarmonic::nalgebra::Vector3;
 
@@ -294,6 +294,16 @@ pub enum Choice {
     Magnitude,
     Area,
     Integral,
+}
+
+impl From<Choice> for Weighting<'static, f32> {
+    fn from(choice: Choice) -> Self {
+        match choice {
+            Choice::Magnitude => Self::Magnitude,
+            Choice::Area => Self::Area,
+            Choice::Integral => Self::Integral,
+        }
+    }
 }
 
 /// What chooses the samples of a block.

@@ -4,7 +4,7 @@ use crate::numeric::SquareSum;
 use crate::{Real, parallel};
 
 /// How far numbers are from what compression made of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Distortion {
     /// The largest difference.

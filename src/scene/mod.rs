@@ -24,7 +24,6 @@ pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
 pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
-#[cfg(any(feature = "wavelet", feature = "block_product"))]
 pub(crate) use material::BRDF_VALUE;
 pub use material::Materials;
 pub use mesh::{Bounds, Frame, Mesh, MeshRepair};

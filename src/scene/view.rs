@@ -60,6 +60,29 @@ impl View {
     }
 }
 
+impl View {
+    /// As numbers for a file: 1 and the eye point, or 2 and the unit direction.
+    #[cfg(feature = "wavelet_double")]
+    pub(crate) fn parts(self) -> (u8, [f64; 3]) {
+        match self.kind {
+            Kind::Eye(eye) => (1, eye.into()),
+            Kind::Direction(direction) => (2, direction.into()),
+        }
+    }
+
+    /// What [`parts`](Self::parts) gave; none for other numbers.
+    #[cfg(feature = "wavelet_double")]
+    pub(crate) fn from_parts(kind: u8, place: [f64; 3]) -> Option<Self> {
+        let place = Vector3::from(place);
+        let is_unit = (place.norm() - 1.0).abs() < 1e-12;
+        match kind {
+            1 if place.iter().all(|c| c.is_finite()) => Some(Self { kind: Kind::Eye(place) }),
+            2 if is_unit => Some(Self { kind: Kind::Direction(place) }),
+            _ => None,
+        }
+    }
+}
+
 /// Scaled by the largest component first, so that nothing overflows or underflows.
 fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let scale = v.amax();

@@ -149,6 +149,18 @@ where
     Vector3<T>: Texel,
     T: Texel,
 {
+    /// Checks that a light lies on a grid and is finite.
+    pub(crate) fn check_light_on(&self, grid: CubeGrid) -> Result<()> {
+        if self.grid() != grid {
+            let (expected, got) = (grid.side(), self.grid().side());
+            return Err(Error::Length { what: "side of the light's cube map", expected, got });
+        }
+        match self.texels().iter().position(|t| !t.iter().all(|c| Real::widen(*c).is_finite())) {
+            Some(index) => Err(Error::NotFinite { what: "texel of the light", index }),
+            None => Ok(()),
+        }
+    }
+
     /// The three colour channels as maps of their own.
     pub fn planes(&self) -> [CubeMap<T>; 3] {
         std::array::from_fn(|c| CubeMap { grid: self.grid, texels: self.texels.iter().map(|t| t[c]).collect() })

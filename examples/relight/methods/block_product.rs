@@ -39,10 +39,7 @@ pub fn run(stage: &Stage, truth: &[Vector3<f64>]) -> Result<Outcome, Failure> {
     let (transport, bake_s) = bake(stage)?;
     let rule = rule(args)?;
     let mut relighter = Relighter::new(mesh, &transport, Settings { rule, ..Settings::default() })?;
-    let frames = stage.frames("block-product: frames", args.frames(), |light, out| {
-        relighter.set_light(light)?;
-        Ok(relighter.relight(&stage.view, materials, out)?)
-    })?;
+    let frames = stage.frames("block-product: frames", args.frames(), &mut relighter)?;
     // Of the first frame, whose radiance is shown.
     relighter.set_light(&stage.light)?;
     let frame = relighter.frame_stats(&stage.view, materials)?;
@@ -78,12 +75,12 @@ fn bake(stage: &Stage) -> Result<(Transport, f64), Failure> {
     let layout = BlockLayout::new(stage.grid, stage.args.block(), ScanOrder::Serpentine)?;
     let Some(bits) = stage.args.visibility_bits else {
         let bar = Bar::new("block-product: coding");
-        let transport = Transport::from_binary(stage.visibility, &stage.scene.mesh, &layout)?;
+        let transport = Transport::from_binary(&stage.scene.mesh, stage.visibility, &layout)?;
         return Ok((transport, stage.visibility_s + bar.finish()));
     };
     let bar = Bar::new("block-product: gray visibility");
     let levels = (stage.args.visibility_samples, bits);
-    let transport = Transport::bake_gray(stage.baker, &stage.scene.mesh, &layout, levels, &bar)?;
+    let transport = Transport::bake_gray(&stage.scene.mesh, stage.baker, &layout, levels, &bar)?;
     Ok((transport, bar.finish()))
 }
 
@@ -99,9 +96,6 @@ fn rule(args: &Args) -> Result<Rule, Failure> {
 fn baseline(stage: &Stage, transport: &Transport) -> Result<f64, Failure> {
     let settings = Settings { rule: Rule::Pixels, ..Settings::default() };
     let mut relighter = Relighter::new(&stage.scene.mesh, transport, settings)?;
-    let frames = stage.frames("block-product: baseline", BASELINE_FRAMES, |light, out| {
-        relighter.set_light(light)?;
-        Ok(relighter.relight(&stage.view, &stage.scene.materials, out)?)
-    })?;
+    let frames = stage.frames("block-product: baseline", BASELINE_FRAMES, &mut relighter)?;
     Ok(frames.median_ms)
 }

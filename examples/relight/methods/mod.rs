@@ -1,12 +1,14 @@
 //! Runs the methods and measures them against ground truth.
 
 mod block_product;
-mod wavelet;
+mod wavelet_double;
+mod wavelet_triple;
 
 pub use block_product::Blocks;
 
 use std::time::Instant;
 
+use haarmonic::backend::DistantRelighter;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
     BinaryVisibility, Comparison, GroundTruth, TexelVisibility, View, VisibilityBaker, VisibilitySettings,
@@ -95,10 +97,10 @@ impl Run {
             });
         }
         if args.wants(Method::WaveletDouble) {
-            results.push(wavelet::double(&stage, &truth)?);
+            results.push(wavelet_double::run(&stage, &truth)?);
         }
         if args.wants(Method::WaveletTriple) {
-            results.push(wavelet::triple(&stage, &truth)?);
+            results.push(wavelet_triple::run(&stage, &truth)?);
         }
         if args.wants(Method::BlockProduct) {
             results.push(block_product::run(&stage, &truth)?);
@@ -139,12 +141,7 @@ impl Stage<'_> {
     }
 
     /// Times `count` frames, each under a light turned a little further.
-    fn frames(
-        &self,
-        title: &'static str,
-        count: usize,
-        mut frame: impl FnMut(&CubeMap<Vector3<f32>>, &mut [Vector3<f32>]) -> Result<(), Failure>,
-    ) -> Result<Frames, Failure> {
+    fn frames(&self, title: &'static str, count: usize, method: &mut dyn DistantRelighter) -> Result<Frames, Failure> {
         let mut radiance = Vec::new();
         let mut out = vec![Vector3::zeros(); self.scene.mesh.positions().len()];
         let mut times = Vec::new();
@@ -158,7 +155,8 @@ impl Stage<'_> {
                 }
             };
             let start = Instant::now();
-            frame(&light, &mut out)?;
+            method.set_light(&light)?;
+            method.relight(&self.view, &self.scene.materials, &mut out)?;
             times.push(start.elapsed().as_secs_f64() * 1e3);
             if i == 0 {
                 radiance.clone_from(&out);

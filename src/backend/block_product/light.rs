@@ -7,8 +7,8 @@ use super::interpolation::{Basis, Interpolation};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
 use super::tiles::{Eight, GROUP, Tiles};
+use crate::Result;
 use crate::sphere::{CubeGrid, CubeMap};
-use crate::{Error, Result};
 
 /// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a layout:
 ///
@@ -148,13 +148,7 @@ impl LightForms {
     /// # Errors
     /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
-        if light.grid() != self.grid() {
-            let (expected, got) = (self.grid().side(), light.grid().side());
-            return Err(Error::Length { what: "side of the light's cube map", expected, got });
-        }
-        if let Some(index) = light.texels().iter().position(|t| !t.iter().all(|c| c.is_finite())) {
-            return Err(Error::NotFinite { what: "texel of the light", index });
-        }
+        light.check_light_on(self.grid())?;
         let largest = light.texels().iter().map(|texel| texel.amax()).fold(0.0, f32::max);
         let scale = if largest > 0.0 { scale(largest) } else { 1.0 };
         self.scale = 1.0 / scale;

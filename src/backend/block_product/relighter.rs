@@ -14,10 +14,11 @@ use super::stats::FrameStats;
 use super::tables::Directions;
 use super::transport::{Maps, Transport, with_maps};
 use super::visible::GrayChange;
+use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
 use crate::compress::{BinaryMaps, GrayMaps};
 use crate::error::check_length;
 use crate::scene::{Camera, Materials, Mesh, View};
-use crate::sphere::CubeMap;
+use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result, parallel};
 
 /// How a [`Relighter`] integrates.
@@ -95,10 +96,7 @@ impl<'a> Relighter<'a> {
     /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance that is
     /// negative or not finite.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings) -> Result<Self> {
-        let expected = mesh.positions().len();
-        if transport.vertices() != expected {
-            return Err(Error::Length { what: "visibility maps", expected, got: transport.vertices() });
-        }
+        check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
         if let Rule::Bounded { tolerance } = settings.rule {
             Rule::bounded(tolerance)?;
         }
@@ -229,5 +227,31 @@ impl<'a> Relighter<'a> {
         let mut scratch = self.scratch.first().cloned().expect("there is a piece");
         let frame = Frame { relighter: self, view, materials };
         Ok(with_scheduled!(&self.scheduled, maps, _schedule => frame.count(*maps, &mut scratch)))
+    }
+}
+
+impl DistantRelighter for Relighter<'_> {
+    fn grid(&self) -> CubeGrid {
+        self.light.grid()
+    }
+
+    fn vertices(&self) -> usize {
+        self.mesh.positions().len()
+    }
+
+    fn freedom(&self) -> Freedom {
+        Freedom::LightViewMaterials
+    }
+
+    fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
+        self.set_light(light)
+    }
+
+    fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
+        self.relight(view, materials, out)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes()
     }
 }

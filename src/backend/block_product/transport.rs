@@ -1,12 +1,11 @@
 //! The database: visibility of every vertex in blocks, differentially coded.
 
-use std::path::Path;
-
 use nalgebra::Vector3;
 
 use super::coding::{BitCutter, Coded, GrayCutter, Pathed, count_samples};
 use super::layout::BlockLayout;
 use super::paths::Paths;
+use crate::backend::distant::check_vertices;
 use crate::compress::{BinaryMaps, GrayMaps, RunStats};
 use crate::parallel::Watch;
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
@@ -100,14 +99,14 @@ impl Transport {
     /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15 and
     /// 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
     pub fn bake_gray(
-        baker: &VisibilityBaker,
         mesh: &Mesh,
+        baker: &VisibilityBaker,
         layout: &BlockLayout,
         (samples, bits): (usize, u32),
         progress: &dyn Progress,
     ) -> Result<Self> {
         check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
-        check_vertices(mesh, baker.vertices())?;
+        check_vertices("visibility maps", mesh.positions().len(), baker.vertices())?;
         if !(1..=15).contains(&samples) {
             let what = "visibility samples along a texel's edge";
             return Err(Error::OutOfRange { what, got: samples as f64, allowed: "in 1…15" });
@@ -130,9 +129,9 @@ impl Transport {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another mesh.
-    pub fn from_binary(visibility: &BinaryVisibility, mesh: &Mesh, layout: &BlockLayout) -> Result<Self> {
+    pub fn from_binary(mesh: &Mesh, visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
         check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
-        check_vertices(mesh, visibility.vertices())?;
+        check_vertices("visibility maps", mesh.positions().len(), visibility.vertices())?;
         let centres: Vec<f64> = (0..layout.grid().side()).map(|i| layout.grid().centre(i)).collect();
         let scratch = || (BitCutter::new(layout), Vec::new());
         binary(layout, visibility.vertices(), &(), scratch, |vertex, (cutter, words)| {
@@ -166,13 +165,13 @@ impl Transport {
     /// [`Error::OutOfRange`] if its grid is not the layout's, unless 2 ≤ `bits` ≤ 8, and beyond 2³² changes;
     /// [`Error::Length`] for another mesh.
     pub fn from_fractional(
-        visibility: &FractionalVisibility,
         mesh: &Mesh,
-        bits: u32,
+        visibility: &FractionalVisibility,
         layout: &BlockLayout,
+        bits: u32,
     ) -> Result<Self> {
         check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
-        check_vertices(mesh, visibility.vertices())?;
+        check_vertices("visibility maps", mesh.positions().len(), visibility.vertices())?;
         gray(layout, mesh, (visibility.samples(), bits), &(), Vec::new, |vertex, counts: &mut Vec<u8>| {
             counts.clear();
             counts.extend_from_slice(visibility.vertex(vertex));
@@ -246,20 +245,9 @@ impl Transport {
         TransportStats { vertices: self.vertices(), blocks: self.layout.blocks(), coded }
     }
 
-    /// Saves to a file; a failure leaves what was there. The form: docs/block_product.md.
-    ///
-    /// # Errors
-    /// [`Error::File`] if it cannot be written.
-    pub fn save(&self, path: &Path) -> Result<()> {
-        super::file::save(self, path)
-    }
-
-    /// Loads what [`save`](Self::save) wrote.
-    ///
-    /// # Errors
-    /// [`Error::File`] naming the place if the file is of another kind or version, cut short, damaged or inconsistent.
-    pub fn load(path: &Path) -> Result<Self> {
-        super::file::load(path)
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        with_maps!(&self.maps, maps => maps.bytes()) + self.paths.bytes()
     }
 }
 
@@ -268,11 +256,6 @@ fn check_grid(what: &'static str, got: CubeGrid, layout: CubeGrid) -> Result<()>
         return Ok(());
     }
     Err(Error::OutOfRange { what, got: got.side() as f64, allowed: "that of the block layout" })
-}
-
-fn check_vertices(mesh: &Mesh, got: usize) -> Result<()> {
-    let expected = mesh.positions().len();
-    if got == expected { Ok(()) } else { Err(Error::Length { what: "visibility maps", expected, got }) }
 }
 
 /// Hides what is not above the plane of a normal, in the words of a vertex: by the baker's own predicate, to the bit.

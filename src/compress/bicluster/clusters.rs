@@ -56,15 +56,15 @@ impl Bicluster<'_> {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Biclustering {
-    rows: usize,
-    columns: usize,
-    scale: f64,
-    nnz: usize,
-    row_offsets: Vec<usize>,
-    row_indices: Vec<u32>,
-    column_offsets: Vec<usize>,
-    column_indices: Vec<u32>,
-    levels: Vec<i32>,
+    pub(super) rows: usize,
+    pub(super) columns: usize,
+    pub(super) scale: f64,
+    pub(super) nnz: usize,
+    pub(super) row_offsets: Vec<usize>,
+    pub(super) row_indices: Vec<u32>,
+    pub(super) column_offsets: Vec<usize>,
+    pub(super) column_indices: Vec<u32>,
+    pub(super) levels: Vec<i32>,
 }
 
 /// What a [`Biclustering`] costs next to its matrix.
@@ -158,12 +158,8 @@ impl Biclustering {
         let mut traces = Vec::new();
         for (grown, mut steps) in found {
             traces.append(&mut steps);
-            for bicluster in grown {
-                all.row_indices.extend_from_slice(&bicluster.rows);
-                all.column_indices.extend_from_slice(&bicluster.columns);
-                all.levels.extend_from_slice(&bicluster.levels);
-                all.row_offsets.push(all.row_indices.len());
-                all.column_offsets.push(all.column_indices.len());
+            for grown in grown {
+                all.push(&Bicluster { rows: &grown.rows, columns: &grown.columns, levels: &grown.levels });
             }
         }
         (all, traces)

@@ -244,7 +244,7 @@ impl SparseMatrix {
     }
 }
 
-fn check_shape(rows: usize, columns: usize, scale: f64) -> Result<()> {
+pub(super) fn check_shape(rows: usize, columns: usize, scale: f64) -> Result<()> {
     for (what, got) in [("rows of a sparse matrix", rows), ("columns of a sparse matrix", columns)] {
         if got >= 1 << 31 {
             return Err(Error::OutOfRange { what, got: got as f64, allowed: "below 2^31" });

@@ -10,6 +10,7 @@ mod queue;
 mod residual;
 mod search;
 mod settings;
+mod stored;
 mod trace;
 
 pub use clusters::{Bicluster, BiclusterStats, Biclustering};

@@ -42,10 +42,10 @@ use crate::{Error, Progress, Real, Result, parallel};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClusteredPca<T> {
-    bases: Bases<T>,
-    labels: Vec<u32>,
-    weights: Vec<T>,
-    distortion: Distortion,
+    pub(super) bases: Bases<T>,
+    pub(super) labels: Vec<u32>,
+    pub(super) weights: Vec<T>,
+    pub(super) distortion: Distortion,
 }
 
 /// What a [`ClusteredPca`] takes and loses.
@@ -119,7 +119,7 @@ impl<T: Real> ClusteredPca<T> {
         let (bases, labels) = Builder::new(matrix, columns, settings, progress)?.run(start)?;
         let mut weights = vec![T::zero(); labels.len() * bases.components];
         weigh(&bases, matrix, &labels, &mut weights);
-        let nothing = Distortion { max: 0.0, rms: 0.0, relative: 0.0 };
+        let nothing = Distortion::default();
         let mut all = Self { bases, labels, weights, distortion: nothing };
         all.distortion = Distortion::of_rows(matrix, columns, |first, _, out| all.reconstruct_rows(first, out));
         Ok(all)

@@ -6,6 +6,7 @@ mod coded;
 mod nearest;
 mod seeds;
 mod settings;
+mod stored;
 
 pub use coded::{ClusteredPca, ClusteredPcaStats};
 pub use settings::ClusteredPcaSettings;

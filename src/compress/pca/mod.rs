@@ -4,6 +4,7 @@ mod components;
 mod fit;
 mod moments;
 mod settings;
+mod stored;
 
 pub use components::Pca;
 pub(in crate::compress) use components::{add_up, check_matrix};

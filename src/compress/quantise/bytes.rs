@@ -45,35 +45,17 @@ impl<T: Real> QuantisedBytes<T> {
     /// # Errors
     /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
     pub fn new(values: &[T], columns: usize, blocks: ByteBlocks) -> Result<Self> {
-        for (what, got) in [("columns", columns), ("run", if let ByteBlocks::Runs(len) = blocks { len } else { 1 })] {
-            if got == 0 {
-                return Err(Error::OutOfRange { what, got: 0.0, allowed: "at least 1" });
-            }
-        }
-        if values.len() % columns != 0 {
-            let expected = values.len().next_multiple_of(columns);
-            return Err(Error::Length { what: "matrix", expected, got: values.len() });
-        }
-        // Only of a matrix without rows can the columns be more than its numbers.
-        if columns > values.len().max(1 << 16) {
-            let (got, allowed) = (columns as f64, "at most 65536 without rows");
-            return Err(Error::OutOfRange { what: "columns", got, allowed });
-        }
+        let count = count_blocks(values.len(), columns, blocks)?;
         if let Some(index) = values.iter().position(|x| !x.is_finite()) {
             return Err(Error::NotFinite { what: "number", index });
         }
-        let count = match blocks {
-            ByteBlocks::Rows => values.len() / columns,
-            ByteBlocks::Columns => columns,
-            ByteBlocks::Runs(len) => values.len().div_ceil(len),
-        };
         let mut all = Self {
             codes: vec![0; values.len()],
             columns,
             blocks,
             offsets: vec![T::infinity(); count],
             steps: vec![T::neg_infinity(); count], // the largest, first
-            distortion: Distortion { max: 0.0, rms: 0.0, relative: 0.0 },
+            distortion: Distortion::default(),
         };
         for (i, &x) in values.iter().enumerate() {
             let block = all.block_of(i);
@@ -102,6 +84,62 @@ impl<T: Real> QuantisedBytes<T> {
             out.iter_mut().enumerate().for_each(|(i, out)| *out = all.value(first + i));
         });
         Ok(all)
+    }
+
+    /// From codes, offsets and steps, and how far quantisation moved the numbers (the default, if that is not known): for those that were
+    /// stored.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new) for the shape; [`Error::Length`] unless every block has an offset and a step; [`Error::NotFinite`] unless these
+    /// are finite, and so is what the largest code stands for; [`Error::OutOfRange`] for a step below 0.
+    pub fn from_parts(
+        codes: Vec<u8>,
+        columns: usize,
+        blocks: ByteBlocks,
+        offsets: Vec<T>,
+        steps: Vec<T>,
+        distortion: Distortion,
+    ) -> Result<Self> {
+        let expected = count_blocks(codes.len(), columns, blocks)?;
+        for (what, got) in [("offsets of blocks", offsets.len()), ("steps of blocks", steps.len())] {
+            if got != expected {
+                return Err(Error::Length { what, expected, got });
+            }
+        }
+        for (index, (offset, step)) in offsets.iter().zip(&steps).enumerate() {
+            if *step < T::zero() {
+                return Err(Error::OutOfRange { what: "step of a block", got: step.widen(), allowed: "at least 0" });
+            }
+            let end = T::of(offset.widen() + 255.0 * step.widen());
+            if !(offset.is_finite() && step.is_finite() && end.is_finite()) {
+                return Err(Error::NotFinite { what: "end of block", index });
+            }
+        }
+        Ok(Self { codes, columns, blocks, offsets, steps, distortion })
+    }
+
+    /// Numbers of a row.
+    #[inline]
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Which numbers share an offset and a step.
+    #[inline]
+    pub fn blocks(&self) -> ByteBlocks {
+        self.blocks
+    }
+
+    /// The offset of each block.
+    #[inline]
+    pub fn offsets(&self) -> &[T] {
+        &self.offsets
+    }
+
+    /// The step of each block.
+    #[inline]
+    pub fn steps(&self) -> &[T] {
+        &self.steps
     }
 
     #[inline]
@@ -177,4 +215,27 @@ impl<T: Real> QuantisedBytes<T> {
     pub fn bytes(&self) -> usize {
         self.codes.len() + 2 * self.offsets.len() * size_of::<T>()
     }
+}
+
+/// How many blocks there are, for `len` numbers in rows of `columns`.
+fn count_blocks(len: usize, columns: usize, blocks: ByteBlocks) -> Result<usize> {
+    for (what, got) in [("columns", columns), ("run", if let ByteBlocks::Runs(run) = blocks { run } else { 1 })] {
+        if got == 0 {
+            return Err(Error::OutOfRange { what, got: 0.0, allowed: "at least 1" });
+        }
+    }
+    if len % columns != 0 {
+        let expected = len.next_multiple_of(columns);
+        return Err(Error::Length { what: "matrix", expected, got: len });
+    }
+    // Only of a matrix without rows can the columns be more than its numbers.
+    if columns > len.max(1 << 16) {
+        let (got, allowed) = (columns as f64, "at most 65536 without rows");
+        return Err(Error::OutOfRange { what: "columns", got, allowed });
+    }
+    Ok(match blocks {
+        ByteBlocks::Rows => len / columns,
+        ByteBlocks::Columns => columns,
+        ByteBlocks::Runs(run) => len.div_ceil(run),
+    })
 }

@@ -78,6 +78,17 @@ impl QuantisedHalf {
         Ok(Self { bits, distortion })
     }
 
+    /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that were stored.
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`] for the bits of NaN and infinity.
+    pub fn from_parts(bits: Vec<u16>, distortion: Distortion) -> Result<Self> {
+        match bits.iter().position(|bits| bits >> 10 & 31 == 31) {
+            Some(index) => Err(Error::NotFinite { what: "number", index }),
+            None => Ok(Self { bits, distortion }),
+        }
+    }
+
     /// The numbers' bits.
     #[inline]
     pub fn bits(&self) -> &[u16] {

@@ -363,11 +363,16 @@ impl<I: MapIndex> BinaryMaps<I> {
         self.ends.push(end);
     }
 
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.ends[..]) + size_of_val(&self.changes[..])
+    }
+
     /// Counts and sizes.
     pub fn stats(&self) -> RunStats {
         let mut stats = RunStats::default();
         self.iter().for_each(|map| stats.count(map.changes.len(), map.state() == MapState::AllOne));
-        stats.bytes_in_memory = size_of_val(&self.ends[..]) + size_of_val(&self.changes[..]);
+        stats.bytes_in_memory = self.bytes();
         stats.bytes_in_file = self.to_bytes().len();
         stats
     }

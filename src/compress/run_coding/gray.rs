@@ -319,6 +319,11 @@ impl<I: MapIndex> GrayMaps<I> {
         }
     }
 
+    /// Bytes in memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.ends[..]) + size_of_val(&self.changes[..]) + size_of_val(&self.levels[..])
+    }
+
     /// Counts and sizes.
     pub fn stats(&self) -> RunStats {
         let mut stats = RunStats::default();
@@ -327,8 +332,7 @@ impl<I: MapIndex> GrayMaps<I> {
                 matches!((map.changes, map.levels), ([first], &[level]) if first.place() == 0 && level == self.top);
             stats.count(map.changes.len(), all_one);
         }
-        stats.bytes_in_memory =
-            size_of_val(&self.ends[..]) + size_of_val(&self.changes[..]) + size_of_val(&self.levels[..]);
+        stats.bytes_in_memory = self.bytes();
         stats.bytes_in_file = self.to_bytes().len();
         stats
     }

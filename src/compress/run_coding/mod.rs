@@ -19,6 +19,7 @@ mod gray;
 mod index;
 mod scan;
 mod stats;
+mod stored;
 mod sums;
 
 pub use binary::{BinaryMap, BinaryMaps, MapState, Runs};

@@ -1,0 +1,10 @@
+//! The back ends: what all of them promise (corpus), and each against its own twins and laws.
+#![cfg(all(feature = "backends", feature = "reference", feature = "proptest"))]
+
+mod allocations;
+mod block_product;
+mod corpus;
+#[path = "../support/mod.rs"]
+mod shared;
+mod wavelet;
+mod wavelet_range;

@@ -1,0 +1,12 @@
+//! Scenes against naive twins: geometry, visibility, BRDFs, lights, ground truth.
+#![cfg(all(feature = "backends", feature = "reference", feature = "proptest"))]
+
+mod brdf;
+mod edges;
+mod far;
+mod geometry;
+mod ground_truth;
+mod light;
+#[path = "../support/mod.rs"]
+mod support;
+mod visibility;
