@@ -83,7 +83,7 @@
 //! | Fourier and cosine transforms of any length | rustfft, rustdct: [`dct`] does square blocks of 4² to 64² |
 //! | decompositions of large dense matrices | faer; [`compress::Pca`] is for few components of many rows |
 //! | image processing | OpenCV, which also has the larger summed-area tables of `f32` in less time |
-//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: `scene::VisibilityBaker` traces a place at a time |
+//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: `scene::VisibilityBaker` a place at a time |
 //! | whole glTF scenes with textures and animation | the crate `gltf`: `io` reads what a mesh needs |
 //!
 //! docs/performance.md has many of them in the same run. No other public library was found with affine wavelets,
@@ -102,11 +102,11 @@
 //! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
 //! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
 //! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
-//! | an environment, few numbers | its harmonics, and irradiance from them | [`sh::CubeProjection`], [`sh::Irradiance`] |
+//! | an environment, few numbers | its harmonics and irradiance | [`sh::CubeProjection`], [`sh::Irradiance`] |
 //! | harmonics and rotations | them rotated | [`sh::Rotation`] for many vectors, [`sh::Rotator`] for many rotations |
 //! | a lamp with corners | its harmonics from any point | [`sh::PolygonLight`] |
 //! | blockers that move | their common visibility | [`sh::CapLog`], [`sh::Exponential`] |
-//! | a light in blocks, smooth reflectance | their product from few numbers | [`dct::BlockDct`], [`dct::LowProjection`] |
+//! | a light in blocks, smooth reflectance | their product, cheaply | [`dct::BlockDct`], [`dct::LowProjection`] |
 //! | an image, many rectangles | the integral over each | [`table::SummedArea`] |
 //! | a visibility map, many squares | the share of each that is seen | [`table::VisibilityDistance`] |
 //! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
