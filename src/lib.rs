@@ -83,7 +83,7 @@
 //! | Fourier and cosine transforms of any length | rustfft, rustdct: [`dct`] does square blocks of 4² to 64² |
 //! | decompositions of large dense matrices | faer; [`compress::Pca`] is for few components of many rows |
 //! | image processing | OpenCV, which also has the larger summed-area tables of `f32` in less time |
-//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: `scene::VisibilityBaker` a place at a time |
+//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: our baker traces one place at a time |
 //! | whole glTF scenes with textures and animation | the crate `gltf`: `io` reads what a mesh needs |
 //!
 //! docs/performance.md has many of them in the same run. No other public library was found with affine wavelets,
