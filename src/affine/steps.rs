@@ -1,4 +1,4 @@
-//! A transformed atom as what it is: a piecewise constant function of at most three breakpoints.
+//! A transformed atom, held as a piecewise constant function of at most three breakpoints.
 //!
 //! A function f of compact support with jumps h_k at b_k has, against an atom g_{l,t} = 2^{l/2} g(2^l v − t) with primitive G of g,
 //!
@@ -25,14 +25,16 @@ pub(super) struct Steps {
     grid: Grid,
 }
 
-/// Breakpoints clamped to [0, 1] as multiples of 2^−62: cells are shifts, sums are exact, and a sum that is not zero is a coupling
-/// that is not zero. The half step of 2^−63 is far below the rounding of the breakpoints. Outside of [0, 1] nothing is met, so the
-/// clamping changes nothing.
+/// The breakpoints as integers: clamped to [0, 1], in units of 2^−62.
+///
+/// In this form the cell of a breakpoint is a shift and sums are exact, so that a sum that is not zero is a coupling that is not zero.
+/// What is lost by the unit is far below the rounding of the breakpoints. No function of the basis reaches outside of [0, 1], so that
+/// clamping changes no coupling.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
     at: [i64; 3],
     weight: [i64; 3],
-    /// No wavelet of a coarser level is met.
+    /// Wavelets of levels coarser than this are not met.
     first: u32,
 }
 

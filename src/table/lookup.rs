@@ -19,7 +19,8 @@ impl Place {
         let held = bound.clamp(0.0, size as f64);
         let low = held as usize;
         let within = held - low as f64;
-        // On a corner the next one is not looked at: it may hold what comes of a NaN.
+        // A bound on a grid line needs the entry of that line alone. The next entry has weight 0, but it may be NaN, and 0 · NaN is NaN:
+        // `high` is `low` there, so that it is not read.
         Self { low, high: low + usize::from(within > 0.0), within }
     }
 }

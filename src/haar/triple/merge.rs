@@ -25,9 +25,9 @@ const BLOCK: usize = 256;
 
 /// Four partial sums a channel.
 ///
-/// What fills them is one dispatched function (never inlined) that returns the four side by side, through memory: that makes the
-/// compiler keep them in one register of four lanes from the first node to the last. Where the sum over the lanes is in sight, it is
-/// lured into pairs, which is 1.5 times slower.
+/// They are filled by one dispatched function, which is never inlined and returns the four side by side, through memory. The compiler
+/// then keeps them in one register of four lanes from the first node to the last. If the function also added the lanes up, the compiler
+/// would work on pairs of lanes instead, which is 1.5 times slower.
 type Lanes<T, const C: usize> = [[T; 4]; C];
 
 /// Some of L's nodes, and what Σ a_B(n) ⟨w_L, c_V⟩(n) reads: a_B by node.

@@ -1,4 +1,7 @@
-//! Reflectance.
+//! Models of reflectance, each a [`Brdf`].
+//!
+//! *Directional albedo* is the share of the light from one direction that a model reflects. `add_cos` adds its values over a table of
+//! directions: by a kernel in `f32` of its own, or through [`Brdf::eval`] in `f64`.
 //!
 //! | model | constructor | reciprocal | directional albedo | `add_cos` |
 //! |---|---|---|---|---|
@@ -9,7 +12,7 @@
 //! | [`CookTorrance`], GGX [Walter 2007, Heitz 2014] | F₀, α_x, α_y | yes | ≤ 1 (single scattering) | f32 kernel |
 //! | [`AshikhminShirley`] [2000] | R_d, R_s, n_u, n_v | yes | ≤ 1 | through `eval` |
 //! | [`Merl`], measured [Matusik 2003] | file | as measured | as measured | through `eval` |
-//! | [`TabulatedBrdf`], any as a table | BRDF, rings | no | mean of its | through `eval` |
+//! | [`TabulatedBrdf`], any model as a table | BRDF, rings | no | that of its model, averaged over cells | through `eval` |
 //! | [`Sum`] | weights and models | as its terms | weighted sum | its terms' |
 //! | [`BrdfFn`] | a closure | as the closure | as the closure | through `eval` |
 //!
