@@ -6,7 +6,10 @@ use crate::Real;
 use crate::error::check_length;
 
 /// T·x from the biclusters of T, for one or several right-hand sides.
-///   p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
+///
+/// ```text
+/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
+/// ```
 ///
 /// All products first, then each row gathers those of the biclusters that it is in: two passes that read their lists from front to back.
 ///

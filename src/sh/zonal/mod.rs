@@ -17,8 +17,13 @@ use crate::{Error, Real, Result};
 ///
 /// The same data has two scales, and mixing them is the usual mistake. This type holds the first and gives the second:
 ///
-///   factors       k_l = 2π ∫_{−1}^{1} f(t) P_l(t) dt       convolution multiplies degree l by k_l; f about an axis is k_l y_lm(axis)
-///   coefficients  z_l = √((2l+1)/4π) k_l                   f = Σ z_l y_{l,0} about +z
+/// ```text
+/// factors       k_l = 2π ∫ f(t) P_l(t) dt over −1 ≤ t ≤ 1
+/// coefficients  z_l = √((2l+1)/4π) k_l
+/// ```
+///
+/// With factors, convolution multiplies degree l by k_l, and f about an axis is the expansion `k_l y_lm(axis)`. With coefficients, f
+/// about +z is `Σ z_l y_{l,0}`.
 ///
 /// (A paper's Â_l, ρ̂_l and A_l are factors; its f_l and g_l are coefficients [Sun 2008, eqs. 2.20, 5.7, 5.36].) Both rules for the
 /// factors are the Funk–Hecke theorem. Built in `f64`, then narrowed.

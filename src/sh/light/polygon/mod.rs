@@ -26,13 +26,15 @@ pub enum Sides {
     Front,
 }
 
-/// The coefficients ∫_Ω y_lm dω of polygons of radiance 1, seen from a point, analytically.
+/// The coefficients `∫_Ω y_lm dω` of polygons of radiance 1, seen from a point, analytically.
 ///
 /// Since Δy = −l(l+1) y, the divergence theorem turns the integral over the polygon's solid angle into one along its outline. Edges are
 /// great-circle arcs; p, the unit normal of an arc's plane, points into Ω, and there ∇y_l · p is ∂_p of the solid harmonic r^l y_l, whose
 /// values on the sphere are of degree l − 1:
 ///
-///   ∫_Ω y_lm dω = 1/(l(l+1)) Σ_arcs p · ∫ ∇(r^l y_lm) ds = Σ_{k, m′} G^k_{lm,m′} Σ_arcs p_k ∫ y_{l−1,m′} ds
+/// ```text
+/// ∫_Ω y_lm dω = 1/(l(l+1)) Σ_arcs p · ∫ ∇(r^l y_lm) ds = Σ_{k, m′} G^k_{lm,m′} Σ_arcs p_k ∫ y_{l−1,m′} ds
+/// ```
 ///
 /// G has at most five entries a row. Along an arc y is a trigonometric polynomial of degree bands − 2; a Gauss–Legendre rule chosen by
 /// the arc's length integrates it to rounding. Degree 0 is the spherical excess. Polygons that look small, where the terms of
