@@ -15,7 +15,7 @@ pub enum Mother {
 }
 
 impl Mother {
-    /// Both.
+    /// Both functions.
     pub const ALL: [Self; 2] = [Self::Scaling, Self::Wavelet];
 
     /// ∫ of the function from −∞ to x: B(x) = clamp(x, 0, 1) of φ, Λ(x) = max(0, ½ − |x − ½|) of ψ.

@@ -143,7 +143,7 @@ pub struct Nonzeros1d {
 }
 
 impl Nonzeros1d {
-    /// For signals of `size` coefficients.
+    /// The enumeration for signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one.
@@ -176,7 +176,7 @@ impl Nonzeros1d {
         }
     }
 
-    /// How many there are.
+    /// How many couplings are not zero.
     pub fn count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, _, _| count += 1);
@@ -194,7 +194,7 @@ pub struct NonzerosNonstandard {
 }
 
 impl NonzerosNonstandard {
-    /// For images of `side`² coefficients.
+    /// The enumeration for images of `side`² coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 2¹⁵.
@@ -232,7 +232,7 @@ impl NonzerosNonstandard {
         }
     }
 
-    /// How many there are.
+    /// How many couplings are not zero.
     pub fn count(self, maps: [AffineMap; 2]) -> usize {
         let mut count = 0;
         self.all(maps, |_, _, _| count += 1);

@@ -27,7 +27,7 @@ pub struct MapGrid {
 /// What a [`MapGrid`] has for a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NearestMap {
-    /// The nearest cell.
+    /// The cell of the grid that is nearest to the map.
     Cell {
         /// Its place along s.
         scale: usize,
@@ -36,7 +36,7 @@ pub enum NearestMap {
     },
     /// Nothing of the signal is in sight: all couplings are zero.
     Dark,
-    /// The scale is outside the grid.
+    /// No cell: the map's scale is outside the grid.
     Outside,
 }
 
@@ -69,7 +69,7 @@ impl MapGrid {
         self.scales
     }
 
-    /// Cells along s and along o.
+    /// The numbers of cells along s and along o.
     #[inline]
     pub fn resolution(&self) -> [usize; 2] {
         self.resolution

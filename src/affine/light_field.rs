@@ -54,7 +54,7 @@ impl Partners {
 }
 
 impl LightField {
-    /// For `size` functions an axis.
+    /// A plan for light fields of `size` functions an axis.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2¹⁵.

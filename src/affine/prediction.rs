@@ -77,7 +77,7 @@ enum Basis {
 }
 
 impl Prediction<1> {
-    /// For 1D signals of `size` coefficients.
+    /// A prediction for 1D signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] unless the heuristic has as many coefficients;
@@ -89,7 +89,7 @@ impl Prediction<1> {
 }
 
 impl Prediction<2> {
-    /// For images of `side`² coefficients.
+    /// A prediction for images of `side`² coefficients.
     ///
     /// # Errors
     /// As in 1D (a side of 8192 has 2²⁶ coefficients), and [`Error::OutOfRange`] for a grid of more than 2²⁴ cells.

@@ -104,7 +104,7 @@ impl StoredCouplings {
         self.size
     }
 
-    /// Where the entries are.
+    /// The grid of maps that have an entry.
     #[inline]
     pub fn grid(&self) -> &MapGrid {
         &self.grid
@@ -191,7 +191,7 @@ impl<'a> StoredOperator<'a> {
         (&self.targets[entries.clone()], &self.values[entries])
     }
 
-    /// How many there are.
+    /// How many couplings the operator has.
     #[inline]
     pub fn nonzeros(&self) -> usize {
         self.values.len()

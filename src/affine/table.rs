@@ -19,7 +19,7 @@ pub enum Quantisation {
 }
 
 impl Quantisation {
-    /// All of them.
+    /// All quantisations.
     pub const ALL: [Self; 5] = [Self::Unorm8, Self::Snorm8, Self::Unorm16, Self::Snorm16, Self::F32];
 
     /// Bytes a texel.
@@ -143,13 +143,13 @@ impl CanonicalTable {
         Ok(Self { resolution, filter: Filter::default(), texels })
     }
 
-    /// Reads between texels in another way.
+    /// The same table with another way to read between texels.
     pub fn with_filter(mut self, filter: Filter) -> Self {
         self.filter = filter;
         self
     }
 
-    /// Steps a unit of r or c.
+    /// How many texels there are to a unit of r or c.
     #[inline]
     pub fn resolution(&self) -> usize {
         self.resolution

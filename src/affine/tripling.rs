@@ -124,7 +124,7 @@ pub struct TripleNonzeros1d {
 }
 
 impl TripleNonzeros1d {
-    /// For signals of `size` coefficients.
+    /// The enumeration for signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `size` is one.
@@ -198,14 +198,14 @@ impl TripleNonzeros1d {
         }
     }
 
-    /// How many there are with j ≤ k.
+    /// How many triplings with j ≤ k are not zero.
     pub fn count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, _, _, _| count += 1);
         count
     }
 
-    /// How many there are of any order of j and k.
+    /// How many triplings are not zero, of any order of j and k.
     pub fn ordered_count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, j, k, _| count += if j == k { 1 } else { 2 });
@@ -222,7 +222,7 @@ pub struct TripleNonzerosNonstandard {
 }
 
 impl TripleNonzerosNonstandard {
-    /// For images of `side`² coefficients.
+    /// The enumeration for images of `side`² coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `side` is one; [`Error::OutOfRange`](crate::Error::OutOfRange) above 2¹⁵.
@@ -288,7 +288,7 @@ impl TripleNonzerosNonstandard {
         }
     }
 
-    /// How many there are with j ≤ k.
+    /// How many triplings with j ≤ k are not zero.
     pub fn count(self, maps: [AffineMap; 2]) -> usize {
         let mut count = 0;
         self.all(maps, |_, _, _, _| count += 1);

@@ -45,7 +45,7 @@ struct Active {
 }
 
 impl NFoldProduct {
-    /// An empty one.
+    /// A product without scratch memory yet.
     pub fn new() -> Self {
         Self::default()
     }

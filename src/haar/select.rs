@@ -41,7 +41,7 @@ pub enum Weighting<'a, T> {
 /// How many terms to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Keep {
-    /// So many (all, if there are not as many).
+    /// This number of terms; all of them, if there are fewer.
     Terms(usize),
     /// This part of the vector's length, in [0, 1], rounded up to whole terms.
     Fraction(f64),
@@ -167,27 +167,27 @@ impl SelectionScratch {
 }
 
 impl<'a, T: Real> Selection<'a, T> {
-    /// A rule that keeps this much.
+    /// A rule that keeps `keep` of the terms, otherwise with the defaults of [`Selection`].
     pub fn new(keep: Keep) -> Self {
         let (scaling, channels) = (ScalingTerms::default(), ChannelRule::default());
         Self { keep, weighting: Weighting::default(), scaling, channels, block: None }
     }
 
-    /// Ranks by this key.
+    /// The same rule with another weighting, the key by which terms are ranked.
     #[must_use]
     pub fn with_weighting(mut self, weighting: Weighting<'a, T>) -> Self {
         self.weighting = weighting;
         self
     }
 
-    /// Treats scaling functions so.
+    /// The same rule with another treatment of scaling functions.
     #[must_use]
     pub fn with_scaling_terms(mut self, scaling: ScalingTerms) -> Self {
         self.scaling = scaling;
         self
     }
 
-    /// Joins channels so.
+    /// The same rule with another way to join the channels of a coefficient.
     #[must_use]
     pub fn with_channels(mut self, channels: ChannelRule) -> Self {
         self.channels = channels;

@@ -7,7 +7,7 @@ use super::transform_kernels as kernels;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
-/// Which 2D basis.
+/// One of the two Haar bases of two dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Decomposition {
     /// Square supports, three kinds of detail a level; flat index of [`Index2d`](crate::haar::Index2d). Square images.

@@ -57,7 +57,7 @@ impl<P: Texel> CubeMap<P> {
         &self.texels[face as usize * n..][..n]
     }
 
-    /// The texels, without the map.
+    /// Takes the texels out of the map.
     pub fn into_texels(self) -> Vec<P> {
         self.texels
     }

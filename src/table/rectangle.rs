@@ -36,7 +36,7 @@ impl Rectangle {
 /// What a look-up finds beyond the image, along one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Outside {
-    /// Nothing: zeros.
+    /// Nothing: f is 0 there.
     #[default]
     Zero,
     /// The image again: it repeats for ever, as longitude does.

@@ -80,7 +80,7 @@ impl SummedAreaPlan {
         2 * self.width
     }
 
-    /// The table of an image.
+    /// Fills `table` with the summed-area table of an image.
     ///
     /// # Panics
     /// If `samples.len()` is not [`samples_len`](Self::samples_len), `table.len()` not [`table_len`](Self::table_len), or

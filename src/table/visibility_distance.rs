@@ -11,7 +11,7 @@ use crate::{Error, Result};
 /// Whether the frame of a map is a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Frame {
-    /// It is not: nothing is known outside.
+    /// It is no boundary: nothing is known of what is outside.
     #[default]
     Open,
     /// Pixels outside are 0: the frame is a boundary of every 1 that touches it. Changes the distances of 1-pixels only.

@@ -36,7 +36,7 @@ pub enum PropagationRoute {
 }
 
 impl PropagationRoute {
-    /// All of them.
+    /// All routes.
     pub const ALL: [Self; 3] = [Self::Wavelets, Self::Pixels, Self::Lookups];
 }
 
@@ -95,7 +95,7 @@ pub struct PropagationScratch<T> {
 }
 
 impl<T: Real> PropagationScratch<T> {
-    /// Empty memory.
+    /// Working memory that has not grown yet.
     pub fn new() -> Self {
         Self {
             bands: [Band::new(), Band::new()],

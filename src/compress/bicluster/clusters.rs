@@ -71,7 +71,7 @@ pub struct Biclustering {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BiclusterStats {
-    /// How many biclusters.
+    /// How many biclusters there are.
     pub biclusters: usize,
     /// Σ r.
     pub row_entries: usize,
@@ -169,7 +169,7 @@ impl Biclustering {
         (all, traces)
     }
 
-    /// How many biclusters.
+    /// How many biclusters there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.row_offsets.len() - 1

@@ -163,13 +163,13 @@ impl SparseMatrix {
         Self { columns, scale, offsets: vec![0; rows + 1], indices, levels }
     }
 
-    /// How many rows.
+    /// How many rows the matrix has.
     #[inline]
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    /// How many columns.
+    /// How many columns the matrix has.
     #[inline]
     pub fn columns(&self) -> usize {
         self.columns

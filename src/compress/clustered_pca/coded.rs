@@ -48,7 +48,7 @@ pub struct ClusteredPca<T> {
     distortion: Distortion,
 }
 
-/// What a [`ClusteredPca`] takes and loses.
+/// What a [`ClusteredPca`] takes in memory, and what it loses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ClusteredPcaStats {
@@ -65,7 +65,7 @@ pub struct ClusteredPcaStats {
 }
 
 impl ClusteredPcaStats {
-    /// Bytes of the matrix for each that is stored.
+    /// How many bytes of the matrix there are for each byte that is stored.
     pub fn ratio(&self) -> f64 {
         self.matrix_bytes as f64 / (self.basis_bytes + self.row_bytes) as f64
     }
@@ -176,7 +176,7 @@ impl<T: Real> ClusteredPca<T> {
         &self.weights
     }
 
-    /// What is stored of a row.
+    /// A row, from what is stored of it.
     ///
     /// # Panics
     /// If `row` is out of range or `out` has not as many numbers as the matrix has columns.

@@ -95,7 +95,7 @@ impl<T: Real> Pca<T> {
         Ok(Self { mean, components, variances, total_variance, factors })
     }
 
-    /// How many components.
+    /// How many components there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.variances.len()

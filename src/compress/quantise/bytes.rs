@@ -129,7 +129,7 @@ impl<T: Real> QuantisedBytes<T> {
         T::of(offset + step * f64::from(self.codes[i]))
     }
 
-    /// How many numbers.
+    /// How many numbers there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.codes.len()
@@ -141,7 +141,7 @@ impl<T: Real> QuantisedBytes<T> {
         self.codes.is_empty()
     }
 
-    /// q of each number.
+    /// The code q of each number.
     #[inline]
     pub fn codes(&self) -> &[u8] {
         &self.codes

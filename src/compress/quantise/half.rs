@@ -101,7 +101,7 @@ impl QuantisedHalf {
         self.distortion
     }
 
-    /// 2 for each number.
+    /// The bytes in memory: 2 for each number.
     #[inline]
     pub fn bytes(&self) -> usize {
         2 * self.bits.len()

@@ -16,7 +16,7 @@ pub enum MapState {
     AllZero,
     /// 1 everywhere: the product with a map is the product without it.
     AllOne,
-    /// Neither.
+    /// The map has both values.
     Mixed,
 }
 
@@ -128,7 +128,7 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
         S::narrow(total, 1.0)
     }
 
-    /// Writes 0 and 1.
+    /// Writes the pixels of the map as 0 and 1.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.

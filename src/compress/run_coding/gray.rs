@@ -100,7 +100,7 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
         S::narrow(total, 1.0 / f64::from(self.top))
     }
 
-    /// Writes V.
+    /// Writes the pixels of the map as V, between 0 and 1.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.
@@ -112,7 +112,7 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
         self.spans().for_each(|(span, level)| out[span].fill(T::of(f64::from(level) / top)));
     }
 
-    /// Writes the levels.
+    /// Writes the pixels of the map as levels.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.

@@ -80,7 +80,7 @@ impl Scan {
         Ok(Self { order, pixels, is_row_major: false })
     }
 
-    /// The order.
+    /// The order of the path.
     #[inline]
     pub fn order(&self) -> ScanOrder {
         self.order

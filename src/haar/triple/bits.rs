@@ -129,7 +129,7 @@ impl BitPyramid {
         &self.upper
     }
 
-    /// A view.
+    /// A borrowed view of this image.
     #[inline]
     pub fn view(&self) -> BitPyramidRef<'_> {
         BitPyramidRef { levels: self.levels, words: &self.words, upper: &self.upper }

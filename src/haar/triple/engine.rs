@@ -74,9 +74,9 @@ impl<T: Real, const C: usize> Factor<T, C> {
 /// The third factor, kept whole.
 #[derive(Debug, Clone, Copy)]
 pub enum Visibility<'a, T> {
-    /// Any values, as a mean pyramid.
+    /// A visibility of any values, as a mean pyramid.
     Means(&'a MeanTree<T>),
-    /// 0 or 1 a texel.
+    /// A visibility of 0 or 1 a texel, as bits.
     Bits(BitPyramidRef<'a>),
 }
 
@@ -137,7 +137,7 @@ impl TripleProduct {
         Ok(Self { levels: super::levels_of(side)?, arch: Arch::new(), masked: MaskedSum::new() })
     }
 
-    /// The side.
+    /// The side of the squares, in texels.
     pub fn side(&self) -> usize {
         1 << self.levels
     }

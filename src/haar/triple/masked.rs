@@ -32,7 +32,7 @@ impl Default for MaskedSum {
 }
 
 impl MaskedSum {
-    /// Looks up what the machine can do.
+    /// A plan for the instruction sets of the machine that it runs on.
     pub fn new() -> Self {
         Self { arch: Arch::new() }
     }

@@ -35,7 +35,7 @@ pub struct TabulatedBrdf {
 }
 
 impl TabulatedBrdf {
-    /// Reads a BRDF off.
+    /// The table of a BRDF.
     ///
     /// Cost: 9 values a cell: a few milliseconds if isotropic, some hundred if not, at 8 rings.
     ///

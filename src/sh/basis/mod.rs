@@ -59,7 +59,7 @@ pub fn eval<T: Real>(bands: usize, direction: &Vector3<T>) -> Result<Vec<T>> {
 }
 
 impl<T: Real> Basis<T> {
-    /// The plan for `bands`.
+    /// A plan for expansions of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or more than [`max_bands`](Self::max_bands).

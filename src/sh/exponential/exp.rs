@@ -88,7 +88,7 @@ enum Form<T> {
 }
 
 impl<T: Real> Exponential<T> {
-    /// The plan.
+    /// A plan of exp for expansions of `bands` bands.
     ///
     /// Cost: microseconds to milliseconds; of `OptimalLinear` and `Hybrid` above 8 bands, of which the crate has no tables, that of
     /// [`OptimalLinear::fit`].

@@ -8,7 +8,7 @@ use super::zonal::{Zonal, check_largest, log_ratio};
 use crate::sh::Product;
 use crate::{Error, Real, Result};
 
-/// How a logarithm avoids what has none.
+/// How a logarithm treats values that are 0 or negative, which have none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LogMethod {
@@ -62,7 +62,7 @@ pub struct Logarithm {
 }
 
 impl Logarithm {
-    /// Logarithms of `bands` bands.
+    /// A plan of log for expansions of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32, or the floor is not above 0 and below 1.

@@ -107,7 +107,7 @@ pub struct Lights<T> {
 }
 
 impl<T: Real> Lights<T> {
-    /// Lights of `bands`, by radiance.
+    /// A plan for lights of `bands` bands whose intensity is radiance.
     ///
     /// # Errors
     /// As [`Basis::new`].
@@ -129,7 +129,7 @@ impl<T: Real> Lights<T> {
         self.basis.bands()
     }
 
-    /// What intensities mean.
+    /// What an intensity means.
     #[inline]
     pub fn measure(&self) -> Measure {
         self.measure

@@ -124,7 +124,7 @@ impl PolygonLight {
     /// The largest number of bands.
     pub const MAX_BANDS: usize = 128;
 
-    /// Polygons in `bands`.
+    /// A plan for polygons of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 1 ≤ `bands` ≤ [`MAX_BANDS`](Self::MAX_BANDS).
