@@ -5,9 +5,9 @@ use crate::{Error, Result};
 
 /// Representative maps, geometric in s and uniform in the offsets at which anything of the signal is in sight.
 ///
-/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which are divided
-/// evenly at every scale. Cells are then about equally good everywhere: a step of (Δs, Δo) moves the picture on the target by (v
-/// Δs + Δo)/s.
+/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which
+/// are divided evenly at every scale. Cells are then about equally good everywhere: a step of (Δs, Δo) moves the
+/// picture on the target by (v Δs + Δo)/s.
 ///
 /// # Example
 /// ```
@@ -44,7 +44,8 @@ impl MapGrid {
     /// Cells between two scales of one sign; `resolution` is [along s, along o].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the scales ascend, have one sign and are scales of a map, and 1 ≤ resolution ≤ 65536.
+    /// [`Error::OutOfRange`] unless the scales ascend, have one sign and are scales of a map, and 1 ≤
+    /// resolution ≤ 65536.
     pub fn new(scales: [f64; 2], resolution: [usize; 2]) -> Result<Self> {
         for scale in scales {
             AffineMap::new(scale, 0.0)?;

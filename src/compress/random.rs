@@ -1,6 +1,7 @@
 //! A generator of pseudorandom numbers: for sketches, first means and seeds.
 
-/// SplitMix64 [Steele et al. 2014]. A seed gives the same numbers on every machine; each stream of a seed is a sequence of its own.
+/// SplitMix64 [Steele et al. 2014]. A seed gives the same numbers on every machine; each stream of a seed is a sequence
+/// of its own.
 pub(super) struct Random(u64);
 
 impl Random {

@@ -1,8 +1,8 @@
 //! Haar wavelets on [0, 1] and [0, 1]²: transforms, pyramids, sparse vectors and the choice of terms.
 //!
 //! A signal or image is the piecewise constant function whose values on 2^k cells a side are its samples. Its
-//! coefficients are inner products with an orthonormal basis of the *unit* interval or square, so they do not change when
-//! the same function is sampled more finely, coefficient 0 is the mean, and Σ c² is the mean of x² (Parseval).
+//! coefficients are inner products with an orthonormal basis of the *unit* interval or square, so they do not change
+//! when the same function is sampled more finely, coefficient 0 is the mean, and Σ c² is the mean of x² (Parseval).
 //!
 //! | basis | index | function | made by |
 //! |---|---|---|---|

@@ -1,7 +1,7 @@
 //! What the straight-line kernels compute with: registers of `f32` or `f64`, as wide as the machine has them.
 //!
-//! Each lane of a register holds a number of a vector of its own. Operations are those of IEEE 754 and never fused, so that
-//! every machine gives the same bits.
+//! Each lane of a register holds a number of a vector of its own. Operations are those of IEEE 754 and never fused, so
+//! that every machine gives the same bits.
 
 use std::ops::{Add, Mul, Sub};
 

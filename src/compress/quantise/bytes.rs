@@ -19,7 +19,8 @@ pub enum ByteBlocks {
 /// Numbers as 8 bits each.
 ///   x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
 ///
-/// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met, a block of equal numbers is exact.
+/// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met,
+/// a block of equal numbers is exact.
 ///
 /// # Example
 /// ```
@@ -44,7 +45,9 @@ impl<T: Real> QuantisedBytes<T> {
     /// Quantises a row-major matrix; for [`ByteBlocks::Runs`] `columns` may be 1. No numbers are allowed.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
+    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows,
+    /// runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are
+    /// whole.
     pub fn new(values: &[T], columns: usize, blocks: ByteBlocks) -> Result<Self> {
         for (what, got) in [("columns", columns), ("run", if let ByteBlocks::Runs(len) = blocks { len } else { 1 })] {
             if got == 0 {

@@ -44,8 +44,8 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
     /// A map of `len` pixels that starts as 0 and changes at `changes`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `len` is positive and fits `I`, and the changes rise strictly
-    /// and stay below it.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `len` is positive and fits `I`, and the changes rise
+    /// strictly and stay below it.
     pub fn new(changes: &'a [I], len: usize) -> Result<Self> {
         check_map_length::<I>(len)?;
         check_changes(changes, len)?;

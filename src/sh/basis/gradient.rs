@@ -1,6 +1,7 @@
 //! The walk with derivatives.
 //!
-//! Y(x, y, z) = q(z) {Re, Im} (x + iy)^m agrees with y on the sphere, so the tangent part of its gradient is y's gradient:
+//! Y(x, y, z) = q(z) {Re, Im} (x + iy)^m agrees with y on the sphere, so the tangent part of its gradient is y's
+//! gradient:
 //!
 //! ```text
 //! ∂_x Y = q m {Re, Im} (x + iy)^{m−1},  ∂_y Y = q m {−Im, Re} (x + iy)^{m−1},  ∂_z Y = q' {Re, Im} (x + iy)^m
