@@ -1,17 +1,25 @@
-//! The mathematics of light transport: Haar wavelets with their coupling and tripling coefficients, functions of direction on
-//! cube maps, and the rendering back ends of the literature that is built on them.
+//! The mathematics of light transport: Haar wavelets with their coupling and tripling coefficients, spherical
+//! harmonics, block cosine transforms and summed tables; and the relighting methods of the literature that are built on
+//! them.
+//!
+//! When light arrives from all directions at a surface, what leaves towards the viewer is an integral of a product:
+//! light × visibility × reflectance. A *transport* is what can be computed of that integral before the light is known;
+//! *relighting* is the rest, done anew for each light. The crate holds the bases in which such products are cheap, the
+//! products themselves, and complete methods that turn a scene into a transport and a light into radiance at every
+//! vertex.
 //!
 //! # Map
 //!
 //! | module | holds | feature |
 //! |---|---|---|
-//! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; coupling, tripling, products, product integrals | |
-//! | [`affine`] | canonical couplings, affine coupling and tripling coefficients, operators that scale and move whole signals | |
+//! | [`haar`] | transforms, pyramids, sparse vectors, choice of terms; couplings, triplings, product integrals | |
+//! | [`affine`] | Haar signals that are scaled and moved: couplings, triplings, operators, light seen from a place | |
 //! | [`sh`] | spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, lights | |
 //! | [`dct`] | block cosine transforms, their lowest frequencies from few samples, product integrals | |
 //! | [`table`] | summed-area tables; visibility distance tables and the share of a square that is visible | |
-//! | [`compress`] | maps by their changes (run coding), biclustering of sparse matrices of few values | |
+//! | [`compress`] | run coding of maps, biclustering of sparse matrices, principal components, quantisation | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
+//! | [`store`] | files of all that is worth keeping: components, biclusters, coded maps, transports | |
 //! | [`numeric`] | Gauss–Legendre rules, Legendre polynomials, careful sums | |
 #![cfg_attr(
     feature = "scene",
@@ -25,11 +33,11 @@
 #![cfg_attr(not(feature = "io"), doc = "| `io` | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
 #![cfg_attr(
     feature = "wavelet_double",
-    doc = "| [`backend::wavelet_double`] | relighting by double products, view and materials fixed [Ng 2003] | `wavelet_double` |"
+    doc = "| [`backend::wavelet_double`] | relighting by double products [Ng 2003] | `wavelet_double` |"
 )]
 #![cfg_attr(
     not(feature = "wavelet_double"),
-    doc = "| `backend::wavelet_double` | relighting by double products, view and materials fixed [Ng 2003] | `wavelet_double` |"
+    doc = "| `backend::wavelet_double` | relighting by double products [Ng 2003] | `wavelet_double` |"
 )]
 #![cfg_attr(
     feature = "wavelet_triple",
@@ -61,33 +69,82 @@
     doc = "| `strategies` | proptest strategies of the crate's inputs | `proptest` |"
 )]
 //!
-//! `rayon` (default) runs loops in parallel; `backends` is every back end. Features only add, and none changes a result: the bits
-//! are the same for any number of threads and without them.
+//! Two more features: `rayon` (default) runs loops in parallel, and `backends` is every back end. `io` and the back
+//! ends bring `scene` with them. Features only add, and none changes a result: the bits are the same for any number of
+//! threads and without them.
+//!
+//! # Should I be using this?
+//!
+//! Yes, if a scene stands still, its light changes, and you want shadows and highlights of all frequencies on a
+//! processor, free of noise and the same in every run; if you need one of the building blocks above in Rust; or if you
+//! want tested values to compare code of your own with. For much else there are better tools:
+//!
+//! | you want | take |
+//! |---|---|
+//! | moving geometry on a GPU that traces rays | ray tracing with resampling (ReSTIR) |
+//! | area lights without shadows | linearly transformed cosines, which Bevy, for one, has built in |
+//! | soft diffuse light from probes | harmonics of two bands in a shader; this crate can make their coefficients |
+//! | global illumination, or a reference for it | Mitsuba 3 or pbrt: here is direct light, a radiance per vertex |
+//! | wavelets other than Haar's, any size | PyWavelets; to its layout and back: [`haar::to_pywavelets_2d`] |
+//! | harmonics in PyTorch or JAX, on a GPU | sphericart: values and derivatives |
+//! | harmonics of degrees in the thousands on whole grids | SHTOOLS, SHTns, ducc0: our plans end at 128 bands |
+//! | six bands in C++, header only | DirectXMath's `SHMath`; its units are [`sh::Measure::DirectXMath`] |
+//! | Fourier and cosine transforms of any length | rustfft, rustdct: [`dct`] does square blocks of 4² to 64² |
+//! | decompositions of large dense matrices | faer; [`compress::Pca`] is for few components of many rows |
+//! | image processing | OpenCV, which also has the larger summed-area tables of `f32` in less time |
+//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: our baker traces one place at a time |
+//! | whole glTF scenes with textures and animation | the crate `gltf`: `io` reads what a mesh needs |
+//!
+//! docs/performance.md has many of them in the same run. No other public library was found with affine wavelets,
+//! products of N wavelet expansions, locally adaptive products or biclustered transfer. Clustered components of
+//! transfer existed before, in Direct3D 9 (`D3DXCreatePRTCompBuffer`, closed source); triple products of wavelets as a
+//! small C++ header; exponentials of harmonics as demos.
 //!
 //! # Which method when
+//!
+//! Products and bases:
 //!
 //! | you have | you want | use |
 //! |---|---|---|
 //! | three functions on a square, few terms | ∫ L B V | [`haar::TripleProduct`], which picks the cheaper route |
 //! | any number of sparse functions | their product or its integral | [`haar::NFoldProduct`] |
 //! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
+//! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
 //! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
-//! | an environment, few numbers | its harmonics, and the irradiance that they give | [`sh::CubeProjection`], [`sh::Irradiance`] |
+//! | an environment, few numbers | its harmonics and irradiance | [`sh::CubeProjection`], [`sh::Irradiance`] |
+//! | harmonics and rotations | them rotated | [`sh::Rotation`] for many vectors, [`sh::Rotator`] for many rotations |
+//! | a lamp with corners | its harmonics from any point | [`sh::PolygonLight`] |
 //! | blockers that move | their common visibility | [`sh::CapLog`], [`sh::Exponential`] |
+//! | a light in blocks, smooth reflectance | their product, cheaply | [`dct::BlockDct`], [`dct::LowProjection`] |
+//! | an image, many rectangles | the integral over each | [`table::SummedArea`] |
+//! | a visibility map, many squares | the share of each that is seen | [`table::VisibilityDistance`] |
 //! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
 //! | a sparse matrix of few values | a cheaper way to multiply by it | [`compress::Biclustering`] |
-//! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
-//! | a static scene, fixed view or diffuse | a new light in each frame | `backend::wavelet_double::Relighter` |
-//! | a static scene | new light, view and materials in each frame | `backend::wavelet_triple::Relighter` |
-//! | a method of your own | the right answer to compare with | `scene::GroundTruth`, `scene::Comparison` |
+//! | rows that are alike | a few weights a row | [`compress::Pca`], [`compress::ClusteredPca`] |
+//!
+//! Relighting a static scene, light new in each frame; all of these are `backend::…`:
+//!
+//! | what else changes | use | what it costs and errs |
+//! |---|---|---|
+//! | nothing: one view, or all is diffuse | `wavelet_double::Relighter` | a sparse matrix times the light's few terms |
+//! | view and materials | `block_product::Relighter` | error by a tolerance, diffuse surfaces exact |
+//! | the same, by the method of Ng 2004 | `wavelet_triple::Relighter` | slower; exact with all terms kept |
+//! | a method of your own | `scene::GroundTruth`, `scene::Comparison` | the right answer, and how far from it you are |
 //!
 //! # Conventions
 //!
-//! World right-handed, y up; local +z is the normal. Cube map faces +X −X +Y −Y +Z −Z as OpenGL samples them. Haar bases are
-//! orthonormal on the unit interval and square, so coefficient 0 is the mean and results do not change with resolution. `wi` and
-//! `wo` point away from the surface; `brdf` is without the cosine, `brdf_cos` with it; radiance is linear RGB. Visibility 1 =
-//! unoccluded. The repository's docs/conventions.md has them all, docs/errata.md what the papers have wrong, docs/references.md
-//! the sources (and a patent that users may want to know of).
+//! - The world is right-handed and y points up; in the frame of a surface +z is the normal. `wi` and `wo` point away
+//!   from it.
+//! - Faces of a cube map come in the order +X −X +Y −Y +Z −Z and are oriented as OpenGL samples them.
+//! - Haar bases are orthonormal on the unit interval and square: coefficient 0 is the mean, and results do not change
+//!   with the resolution.
+//! - Harmonics are real, orthonormal on the sphere and without the Condon–Shortley sign; coefficient l(l+1) + m is
+//!   degree l, order m.
+//! - Radiance is linear RGB. `brdf` is without the cosine, `brdf_cos` with it. Visibility 1 is unoccluded.
+//!
+//! In the repository, docs/conventions.md has them all, docs/errata.md what the papers have wrong, docs/references.md
+//! the sources (and a patent that users may want to know of). A page for each room, such as docs/haar.md, explains use,
+//! theory and what was measured.
 //!
 //! # Example
 //!
@@ -103,8 +160,8 @@
 //!
 //! # Errors and panics
 //!
-//! Constructors and readers return [`Result`]; what runs in a loop panics on a slice of the wrong length, at the caller's line, and
-//! says so under *Panics*. The library never prints, logs or exits.
+//! Constructors and readers return [`Result`]; what runs in a loop panics on a slice of the wrong length, at the
+//! caller's line, and says so under *Panics*. The library never prints, logs or exits.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod error;
@@ -141,3 +198,28 @@ pub use real::Real;
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+
+/// And so is that of the rooms' pages.
+#[cfg(doctest)]
+mod pages {
+    #[doc = include_str!("../docs/affine.md")]
+    struct Affine;
+    #[cfg(feature = "block_product")]
+    #[doc = include_str!("../docs/block_product.md")]
+    struct BlockProduct;
+    #[doc = include_str!("../docs/compress.md")]
+    struct Compress;
+    #[doc = include_str!("../docs/dct.md")]
+    struct Dct;
+    #[doc = include_str!("../docs/haar.md")]
+    struct Haar;
+    #[cfg(feature = "io")]
+    #[doc = include_str!("../docs/scene.md")]
+    struct Scene;
+    #[doc = include_str!("../docs/sh.md")]
+    struct Sh;
+    #[doc = include_str!("../docs/sphere.md")]
+    struct Sphere;
+    #[doc = include_str!("../docs/table.md")]
+    struct Table;
+}

@@ -6,7 +6,7 @@ use clap::Parser;
 
 /// Spherical harmonics in pictures: the basis, and what it makes of an environment light.
 ///
-/// Without arguments: the built-in sky, pictures in out/harmonics.
+/// Without arguments: the built-in studio, pictures in out/harmonics.
 #[derive(Debug, Parser)]
 #[command(version, name = "harmonics")]
 pub struct Args {

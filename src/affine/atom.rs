@@ -5,8 +5,8 @@ use crate::haar::{Index1d, Index2d, Kind};
 
 /// A scaling function or wavelet of any level: 2^{l/2} f(2^l v − t), f = φ or ψ.
 ///
-/// The 1D basis and the standard bases are products of φ at level 0 and wavelets; the nonstandard basis needs the scaling functions of
-/// every level too, and so does the square of a wavelet.
+/// The 1D basis and the standard bases are products of φ at level 0 and wavelets; the nonstandard basis needs the
+/// scaling functions of every level too, and so does the square of a wavelet.
 ///
 /// # Example
 /// ```

@@ -24,7 +24,8 @@ impl ScaledAtom {
 }
 
 impl Atom {
-    /// The product of two atoms of any level: none where they do not meet, else ±2^{l/2} times an atom, l the coarser level.
+    /// The product of two atoms of any level: none where they do not meet, else ±2^{l/2} times an atom, l the coarser
+    /// level.
     ///
     /// | f coarse, g fine | f g |
     /// |---|---|

@@ -15,7 +15,7 @@ pub enum Mother {
 }
 
 impl Mother {
-    /// Both.
+    /// Both functions.
     pub const ALL: [Self; 2] = [Self::Scaling, Self::Wavelet];
 
     /// ∫ of the function from −∞ to x: B(x) = clamp(x, 0, 1) of φ, Λ(x) = max(0, ½ − |x − ½|) of ψ.
@@ -31,7 +31,8 @@ impl Mother {
         }
     }
 
-    /// The derivative of the primitive at x towards `side` (its sign): the function's value just after or just before x.
+    /// The derivative of the primitive at x towards `side` (its sign): the function's value just after or just before
+    /// x.
     #[inline(always)]
     pub(super) fn slope(self, x: f64, side: f64) -> f64 {
         self.beside([x, x - 0.5, x - 1.0], side)
@@ -67,8 +68,8 @@ impl Mother {
 ///
 ///   M_ψg = sgn(r) [2G(c) − G(c − |r|) − G(c + |r|)],    M_φg = G(c + |r|) − G(c − |r|),
 ///
-/// exact for all r ≠ 0, without a branch on the data. The table of branches of [Sun 2008, fig. 4.4] lost its absolute values in
-/// print, and the three companions of M_ψψ are missing there; see docs/errata.md.
+/// exact for all r ≠ 0, without a branch on the data. The table of branches of [Sun 2008, fig. 4.4] lost its absolute
+/// values in print, and the three companions of M_ψψ are missing there; see docs/errata.md.
 ///
 /// Bounds: −min(r, ½) ≤ M_ψψ ≤ 2 min(r, ½) for r > 0. M(r, ½ + c) = M(r, ½ − c); M(r, c) = 2r M(1/4r, ½ + 1/4r − c/2r).
 /// M is zero at r = 0; NaN gives NaN. Many values at once: [`canonical_batch`].
@@ -95,7 +96,8 @@ pub fn canonical<T: Real>(f: Mother, g: Mother, r: T, c: T) -> T {
     }
 }
 
-/// The one-sided derivative of [`canonical`] at (r, c) along (dr, dc): lim (M(r + ε dr, c + ε dc) − M(r, c))/ε for ε → 0 from above.
+/// The one-sided derivative of [`canonical`] at (r, c) along (dr, dc): lim (M(r + ε dr, c + ε dc) − M(r, c))/ε for ε →
+/// 0 from above.
 ///
 /// M is piecewise linear; this is exact everywhere, kinks included. r = 0 is taken as the limit r → +0.
 ///
@@ -120,8 +122,8 @@ pub fn canonical_slope(f: Mother, g: Mother, [r, c]: [f64; 2], [dr, dc]: [f64; 2
 ///
 ///   ∂M_ψg/∂r = g(c − r) − g(c + r),  ∂M_ψg/∂c = 2g(c) − g(c − r) − g(c + r)       [Sun 2008, eqs. 4.25, 4.26]
 ///
-/// For r > 0 the slopes of M_ψψ are {−1, 0, 1, 2} in r and {0, ±1, ±2, ±3} in c (the thesis has ±2 in r). A derivative along any
-/// direction, right- or left-handed: [`canonical_slope`].
+/// For r > 0 the slopes of M_ψψ are {−1, 0, 1, 2} in r and {0, ±1, ±2, ±3} in c (the thesis has ±2 in r). A derivative
+/// along any direction, right- or left-handed: [`canonical_slope`].
 ///
 /// # Example
 /// ```

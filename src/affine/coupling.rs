@@ -11,13 +11,13 @@ use crate::{Error, Result};
 ///
 ///   D(s, o) = ∫ f_{l_i,t_i}(s v + o) g_{l_j,t_j}(v) dv = 2^{(l_i − l_j)/2} M_fg(r, c)      [Sun 2008, eqs. 4.20–4.23]
 ///
-/// r = 2^{l_j − l_i − 1}/s, c = 2^{l_j}((t_i + ½) 2^{−l_i} − o)/s − t_j (where 2^{l_j} o is 2^{l_i} o in print); the atoms are zero
-/// outside their supports. r and c, once rounded, have lost the coupling where |s| is small, so it is made of what the pieces of both
-/// atoms have in common (the derivation is in the source, `overlap.rs`).
+/// r = 2^{l_j − l_i − 1}/s, c = 2^{l_j}((t_i + ½) 2^{−l_i} − o)/s − t_j (where 2^{l_j} o is 2^{l_i} o in print); the
+/// atoms are zero outside their supports. r and c, once rounded, have lost the coupling where |s| is small, so it is
+/// made of what the pieces of both atoms have in common (the derivation is in the source, `overlap.rs`).
 ///
-/// Accuracy: below 3 ε of D itself (measured: 1.6) for every map and levels up to 51, and 0 if and only if D is 0 for the numbers that the map holds.
-/// Above level 51 the offset of an atom is rounded to `f64`. Cost: some 50 ns; those of a whole row or operator come at a tenth of that,
-/// [`Nonzeros1d`], [`Operator1d`](super::Operator1d).
+/// Accuracy: below 3 ε of D itself (measured: 1.6) for every map and levels up to 51, and 0 if and only if D is 0 for
+/// the numbers that the map holds. Above level 51 the offset of an atom is rounded to `f64`. Cost: some 50 ns; those of
+/// a whole row or operator come at a tenth of that, [`Nonzeros1d`], [`Operator1d`](super::Operator1d).
 ///
 /// # Panics
 /// If a level is above 63.
@@ -39,8 +39,9 @@ pub fn coupling(source: Atom, target: Atom, map: AffineMap) -> f64 {
 
 /// [∂D/∂s, ∂D/∂o] of [`coupling`], each the right-hand derivative where D has a kink.
 ///
-/// D is piecewise linear in o and piecewise a + b/s in s. A breakpoint b_k = (x_k − o)/s moves it by its weight w_k times the target's value
-/// g_k on the side to which it moves: with the amplitudes 2^{(l_i + l_j)/2} and the signs g_k decided without rounding,
+/// D is piecewise linear in o and piecewise a + b/s in s. A breakpoint b_k = (x_k − o)/s moves it by its weight w_k
+/// times the target's value g_k on the side to which it moves: with the amplitudes 2^{(l_i + l_j)/2} and the signs g_k
+/// decided without rounding,
 ///
 ///   ∂D/∂s = −2^{(l_i + l_j)/2} (Σ w_k g_k x_k − o Σ w_k g_k)/(s |s|),    ∂D/∂o = −2^{(l_i + l_j)/2} Σ w_k g_k/|s|.
 ///
@@ -119,13 +120,14 @@ pub(super) fn levels_of(what: &'static str, size: usize) -> Result<u32> {
 
 /// The non-zero affine couplings of the 1D basis of one size, found without looking at a zero one.
 ///
-/// An atom seen through a map has three breakpoints, and meets at most three wavelets a level: those that a breakpoint falls into
-/// (the derivation is in the source, `steps.rs`). A row or column takes O(log N), a whole operator time proportional to its non-zeros, of which there are
-/// Θ(N): 36, 89, 204, 445, 940, … at most near s = 1 for N = 8, 16, 32, …, the scaling function included (29, 80, 193, 432, 925 without);
-/// [Sun 2008, fig. 4.6] gives the bound N log N of overlapping pairs.
+/// An atom seen through a map has three breakpoints, and meets at most three wavelets a level: those that a breakpoint
+/// falls into (the derivation is in the source, `steps.rs`). A row or column takes O(log N), a whole operator time
+/// proportional to its non-zeros, of which there are Θ(N): 36, 89, 204, 445, 940, … at most near s = 1 for N = 8, 16,
+/// 32, …, the scaling function included (29, 80, 193, 432, 925 without); [Sun 2008, fig. 4.6] gives the bound N log N
+/// of overlapping pairs.
 ///
-/// Values are visited in ascending order. A column has those of [`coupling_1d`], all that are not exactly zero. A row, made for speed, has
-/// them to 4 ε·2^{(l_i + l_j)/2}; what is exactly zero is not visited, nor what rounds to 0.
+/// Values are visited in ascending order. A column has those of [`coupling_1d`], all that are not exactly zero. A row,
+/// made for speed, has them to 4 ε·2^{(l_i + l_j)/2}; what is exactly zero is not visited, nor what rounds to 0.
 ///
 /// # Example
 /// ```
@@ -143,7 +145,7 @@ pub struct Nonzeros1d {
 }
 
 impl Nonzeros1d {
-    /// For signals of `size` coefficients.
+    /// The enumeration for signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one.
@@ -176,7 +178,7 @@ impl Nonzeros1d {
         }
     }
 
-    /// How many there are.
+    /// How many couplings are not zero.
     pub fn count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, _, _| count += 1);
@@ -186,15 +188,15 @@ impl Nonzeros1d {
 
 /// The non-zero affine couplings of the 2D nonstandard basis of one side, found without looking at a zero one.
 ///
-/// The products, level by level, of what the two factors of a function meet: a wavelet factor at most three wavelets and, at its
-/// edges and inside, the scaling functions of the level.
+/// The products, level by level, of what the two factors of a function meet: a wavelet factor at most three wavelets
+/// and, at its edges and inside, the scaling functions of the level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NonzerosNonstandard {
     levels: u32,
 }
 
 impl NonzerosNonstandard {
-    /// For images of `side`² coefficients.
+    /// The enumeration for images of `side`² coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 2¹⁵.
@@ -232,7 +234,7 @@ impl NonzerosNonstandard {
         }
     }
 
-    /// How many there are.
+    /// How many couplings are not zero.
     pub fn count(self, maps: [AffineMap; 2]) -> usize {
         let mut count = 0;
         self.all(maps, |_, _, _| count += 1);

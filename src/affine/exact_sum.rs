@@ -21,15 +21,17 @@ pub(super) fn separation(x: f64, (p, p_low): (f64, f64), (o, o_low): (f64, f64))
     let (part, lost) = exact_sum(x, -p);
     let (rest, more) = exact_sum(part, -o);
     let sum = rest + ((lost + more) - (p_low + o_low));
-    // The last line rounds off a few ε² of the largest number. Where that could show beside ε of the sum, all over again.
+    // The last line rounds off a few ε² of the largest number. Where that could show beside ε of the sum, all over
+    // again.
     let certain = sum.abs() > f64::EPSILON * (x.abs() + p.abs() + o.abs());
     if certain { sum } else { sum_of([-p_low, -o_low, -p, -o, x]) }
 }
 
-/// The sum of numbers to an ε or so of itself, however much of it cancels: its sign is right, and it is 0 if and only if the sum is.
+/// The sum of numbers to an ε or so of itself, however much of it cancels: its sign is right, and it is 0 if and only
+/// if the sum is.
 pub(super) fn sum_of<const N: usize>(terms: [f64; N]) -> f64 {
-    // An expansion of parts that do not overlap, lowest first: each new term ripples upwards [Shewchuk 1997, Grow-Expansion].
-    // The highest part that is not 0 exceeds the sum of those below it.
+    // An expansion of parts that do not overlap, lowest first: each new term ripples upwards [Shewchuk 1997,
+    // Grow-Expansion]. The highest part that is not 0 exceeds the sum of those below it.
     let mut parts = [0.0; N];
     for (count, &term) in terms.iter().enumerate() {
         let mut carry = term;

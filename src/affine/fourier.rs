@@ -12,10 +12,10 @@ use super::exact_sum::exact_product;
 ///
 ///   D_pq(s, o) = ∫₀^{2π} φ_p(sv + o) φ_q*(v) dv = e^{ipo} E(sp − q),    E(x) = (e^{2πix} − 1)/(2πix) = e^{iπx} sin(πx)/(πx)
 ///
-/// φ_p is not cut off outside [0, 2π]. [Sun 2008, eq. 4.18] has e^{ipo} δ_{sp,q}, which holds only where sp is an integer: for
-/// other s the basis is not closed under the map and every D_pq of a row differs from 0 (docs/errata.md). E is evaluated from the
-/// distance of sp to the nearest integer, so that its zeros are exact and nothing cancels beside them or beside 1; the products sp
-/// and po are kept to 106 bits.
+/// φ_p is not cut off outside [0, 2π]. [Sun 2008, eq. 4.18] has e^{ipo} δ_{sp,q}, which holds only where sp is an
+/// integer: for other s the basis is not closed under the map and every D_pq of a row differs from 0 (docs/errata.md).
+/// E is evaluated from the distance of sp to the nearest integer, so that its zeros are exact and nothing cancels
+/// beside them or beside 1; the products sp and po are kept to 106 bits.
 ///
 /// Accuracy: a few ε relative to |D|.
 ///
@@ -46,10 +46,11 @@ pub fn fourier_tripling(n: i64, p: i64, q: i64, map: AffineMap) -> Complex<f64> 
     fourier_coupling(n, difference, map) * TAU.sqrt().recip()
 }
 
-/// The matrix of [`fourier_coupling`] over a range of frequencies: element (row q, column p) takes the coefficient p of F to the
-/// coefficient q of F(sv + o).
+/// The matrix of [`fourier_coupling`] over a range of frequencies: element (row q, column p) takes the coefficient p of
+/// F to the coefficient q of F(sv + o).
 ///
-/// The coefficients of F(sv + o) are those of F times this, up to what the range cuts off. Cost: N² complex products and 16 N² bytes.
+/// The coefficients of F(sv + o) are those of F times this, up to what the range cuts off. Cost: N² complex products
+/// and 16 N² bytes.
 pub fn fourier_coupling_matrix(frequencies: Range<i64>, map: AffineMap) -> DMatrix<Complex<f64>> {
     let size = frequencies.clone().count();
     let values = frequencies.clone().flat_map(|p| {
@@ -61,9 +62,9 @@ pub fn fourier_coupling_matrix(frequencies: Range<i64>, map: AffineMap) -> DMatr
 
 /// Every (p, q, D_pq ≠ 0) over a range of frequencies, by p, then q.
 ///
-/// A row p has one non-zero element at most, q = sp, where sp is an integer, and is full otherwise: N elements for an integer s (the
-/// case of [Sun 2008, eq. 4.18]), about N²(1 − 1/b) for s = a/b in lowest terms, and N² − N + 1 for a generic s (p = 0 couples with q = 0
-/// only). Cost: proportional to the output, plus N.
+/// A row p has one non-zero element at most, q = sp, where sp is an integer, and is full otherwise: N elements for an
+/// integer s (the case of [Sun 2008, eq. 4.18]), about N²(1 − 1/b) for s = a/b in lowest terms, and N² − N + 1 for a
+/// generic s (p = 0 couples with q = 0 only). Cost: proportional to the output, plus N.
 ///
 /// # Example
 /// ```
@@ -81,8 +82,8 @@ pub fn fourier_coupling_nonzeros(
     })
 }
 
-/// How many (n, p, q) over a range of frequencies have D_npq ≠ 0 ([`fourier_tripling`]): Θ(N²) for an integer s, Θ(N³) otherwise;
-/// `u64::MAX` where there are more. Cost: N steps.
+/// How many (n, p, q) over a range of frequencies have D_npq ≠ 0 ([`fourier_tripling`]): Θ(N²) for an integer s, Θ(N³)
+/// otherwise; `u64::MAX` where there are more. Cost: N steps.
 pub fn fourier_tripling_count(frequencies: Range<i64>, map: AffineMap) -> u64 {
     let size = if frequencies.is_empty() { 0 } else { frequencies.end.abs_diff(frequencies.start) };
     let pairs = |n| match Row::new(n, map).integer() {
@@ -101,7 +102,8 @@ struct Row {
     /// sp = nearest + beside, nearest an integer.
     nearest: f64,
     beside: f64,
-    /// e^{ipo} e^{iπ·beside} sin(π·beside)/π: D_pq = wave/(sp − q), as the signs (−1)^{nearest − q} of the two factors cancel.
+    /// e^{ipo} e^{iπ·beside} sin(π·beside)/π: D_pq = wave/(sp − q), as the signs (−1)^{nearest − q} of the two factors
+    /// cancel.
     wave: Complex<f64>,
 }
 

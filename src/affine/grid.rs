@@ -5,9 +5,9 @@ use crate::{Error, Result};
 
 /// Representative maps, geometric in s and uniform in the offsets at which anything of the signal is in sight.
 ///
-/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which are divided
-/// evenly at every scale. Cells are then about equally good everywhere: a step of (Δs, Δo) moves the picture on the target by (v
-/// Δs + Δo)/s.
+/// F(s v + o) meets the target interval 0 < v < 1 for −max(s, 0) < o < 1 − min(s, 0) only: 1 + |s| of offsets, which
+/// are divided evenly at every scale. Cells are then about equally good everywhere: a step of (Δs, Δo) moves the
+/// picture on the target by (v Δs + Δo)/s.
 ///
 /// # Example
 /// ```
@@ -27,7 +27,7 @@ pub struct MapGrid {
 /// What a [`MapGrid`] has for a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NearestMap {
-    /// The nearest cell.
+    /// The cell of the grid that is nearest to the map.
     Cell {
         /// Its place along s.
         scale: usize,
@@ -36,7 +36,7 @@ pub enum NearestMap {
     },
     /// Nothing of the signal is in sight: all couplings are zero.
     Dark,
-    /// The scale is outside the grid.
+    /// No cell: the map's scale is outside the grid.
     Outside,
 }
 
@@ -44,7 +44,8 @@ impl MapGrid {
     /// Cells between two scales of one sign; `resolution` is [along s, along o].
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the scales ascend, have one sign and are scales of a map, and 1 ≤ resolution ≤ 65536.
+    /// [`Error::OutOfRange`] unless the scales ascend, have one sign and are scales of a map, and 1 ≤
+    /// resolution ≤ 65536.
     pub fn new(scales: [f64; 2], resolution: [usize; 2]) -> Result<Self> {
         for scale in scales {
             AffineMap::new(scale, 0.0)?;
@@ -69,7 +70,7 @@ impl MapGrid {
         self.scales
     }
 
-    /// Cells along s and along o.
+    /// The numbers of cells along s and along o.
     #[inline]
     pub fn resolution(&self) -> [usize; 2] {
         self.resolution

@@ -9,9 +9,9 @@ use crate::{Error, Real, Result};
 ///
 ///   L(v) = F(z v + x, v),   L_k(z, x) = Σ_ij F_ij D_ijk(z, x)                         [Sun 2008, §4.5.3, eq. 4.37]
 ///
-/// for F(v₁, v₂) = Σ F_ij ψ_i(v₁) ψ_j(v₂): v₁ on the light's plane, v₂ the direction (the intercept on a plane at unit distance); s = z is
-/// the height of the point, o = x its place. In space each axis has its own map, and F has four indices.
-/// The result is the L² projection of L, with L = 0 where z v + x leaves [0, 1).
+/// for F(v₁, v₂) = Σ F_ij ψ_i(v₁) ψ_j(v₂): v₁ on the light's plane, v₂ the direction (the intercept on a plane at unit
+/// distance); s = z is the height of the point, o = x its place. In space each axis has its own map, and F has four
+/// indices. The result is the L² projection of L, with L = 0 where z v + x leaves [0, 1).
 ///
 /// Cost: O(log N) a term in the plane, O(log² N) in space, by the D_ijk that are not zero; nothing is allocated.
 ///
@@ -31,8 +31,8 @@ pub struct LightField {
     nonzeros: TripleNonzeros1d,
 }
 
-/// A term of a light field in space: the 1D flat indices of its factors in x and y of the plane and of the direction, and F of each
-/// channel there.
+/// A term of a light field in space: the 1D flat indices of its factors in x and y of the plane and of the direction,
+/// and F of each channel there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightFieldTerm<T, const C: usize = 1> {
     /// [i_x, i_y].
@@ -54,7 +54,7 @@ impl Partners {
 }
 
 impl LightField {
-    /// For `size` functions an axis.
+    /// A plan for light fields of `size` functions an axis.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2¹⁵.
@@ -77,8 +77,8 @@ impl LightField {
 
     /// The coefficients of F(s v + o, v).
     ///
-    /// Shapes: field: size², standard basis, F_ij at j·size + i (direction by direction, as [`Transform2d`](crate::haar::Transform2d)
-    /// makes it of rows of the plane); out: size, flat 1D index, overwritten.
+    /// Shapes: field: size², standard basis, F_ij at j·size + i (direction by direction, as
+    /// [`Transform2d`](crate::haar::Transform2d) makes it of rows of the plane); out: size, flat 1D index, overwritten.
     ///
     /// # Panics
     /// If a length is wrong.

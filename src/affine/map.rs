@@ -4,7 +4,8 @@ use crate::{Error, Result};
 
 /// The affine map v ↦ s·v + o of one axis, s ≠ 0: a signal F seen through it is F(s v + o).
 ///
-/// Both numbers are `f64` whatever the scalar of the signal: a map costs nothing, and the couplings of a small s need it.
+/// Both numbers are `f64` whatever the scalar of the signal: a map costs nothing, and the couplings of a small s need
+/// it.
 ///
 /// # Example
 /// ```
@@ -32,7 +33,8 @@ impl AffineMap {
     /// The map of scale s and offset o.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless 1e-100 ≤ |s| ≤ 1e100 and |o| ≤ 1e100, NaN included: nothing can overflow inside that.
+    /// [`Error::OutOfRange`] unless 1e-100 ≤ |s| ≤ 1e100 and |o| ≤ 1e100, NaN included: nothing can overflow inside
+    /// that.
     pub fn new(scale: f64, offset: f64) -> Result<Self> {
         if !(SMALLEST..=LARGEST).contains(&scale.abs()) {
             let allowed = "not zero: 1e-100 ≤ |s| ≤ 1e100";
@@ -71,8 +73,9 @@ impl AffineMap {
 
     /// x ↦ (x − o)/s.
     ///
-    /// Both numbers are held inside the range of [`new`](Self::new). Where −o/s leaves it, s [0, 1] + o has no length in common with [0, 1],
-    /// and neither has the inverse's image with the offset at ±1e100: nothing is in sight through either.
+    /// Both numbers are held inside the range of [`new`](Self::new). Where −o/s leaves it, s [0, 1] + o has no length
+    /// in common with [0, 1], and neither has the inverse's image with the offset at ±1e100: nothing is in sight
+    /// through either.
     #[inline]
     pub fn inverse(self) -> Self {
         let scale = self.scale.recip();

@@ -66,8 +66,9 @@ impl Met for Row {
 
 /// The source atoms that a target atom meets.
 ///
-/// Only where is found in the source: a small scale makes the target's image so narrow that differences there would be lost. How much, if anything, is
-/// the coupling of the pair.
+/// The places where the two may meet are found from the target's image in the source, each to a few ε. Their values are
+/// not: at a small scale the image is so narrow that differences of its breakpoints would be lost. A value is the
+/// [`coupling`] of the pair, and a pair whose coupling is 0 is left out.
 pub(super) struct Column {
     target: Atom,
     map: AffineMap,

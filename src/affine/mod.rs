@@ -1,9 +1,10 @@
 //! Affine wavelets: what a Haar signal becomes when it is scaled and moved, without leaving the wavelet basis.
 //!
-//! A signal F = Σ F_i Φ_i seen through the map v ↦ s v + o has the coefficients L_k = Σ_i F_i D_ik(s, o), with the *affine coupling
-//! coefficients* D_ij = ∫ Φ_i(s v + o) Φ_j(v) dv; against a product it needs the *affine tripling coefficients* D_ijk = ∫ Φ_i(s v + o) Φ_j Φ_k dv.
-//! All of them come down to one function of two variables, the canonical coupling M(r, c). The light that a point receives from
-//! a textured rectangle is such a map of its texture, and so is a zoom into an image [Sun 2008, ch. 4].
+//! A signal F = Σ F_i Φ_i seen through the map v ↦ s v + o has the coefficients L_k = Σ_i F_i D_ik(s, o), with the
+//! *affine coupling coefficients* D_ij = ∫ Φ_i(s v + o) Φ_j(v) dv; against a product it needs the *affine tripling
+//! coefficients* D_ijk = ∫ Φ_i(s v + o) Φ_j Φ_k dv. All of them come down to one function of two variables, the
+//! canonical coupling M(r, c). The light that a point receives from a textured rectangle is such a map of its texture,
+//! and so is a zoom into an image [Sun 2008, ch. 4].
 //!
 //! # Which one when
 //!
@@ -23,7 +24,8 @@
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |
 //! | curiosity | the same in pixels and Fourier series | [`pixel_coupling`], [`fourier_coupling`] |
 //!
-//! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift with s and with the machine):
+//! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift with
+//! s and with the machine):
 //!
 //! | source terms kept | targets kept | cheapest |
 //! |---|---|---|
@@ -31,17 +33,18 @@
 //! | more | more than about 3 % | [`PropagationRoute::Pixels`] |
 //! | more | up to about 3 % | [`PropagationRoute::Lookups`] |
 //!
-//! In the nonstandard basis a moved wavelet has long edges of non-zero terms: the pixels win from about 1 % of the source on.
+//! In the nonstandard basis a moved wavelet has long edges of non-zero terms: the pixels win from about 1 % of the
+//! source on.
 //!
 //! # What to know
 //!
 //! - F is 0 outside [0, 1). s may be negative; s = 0 is an error, its limit is L = F(o).
-//! - L is the L² projection of F(s v + o): exact against anything of the same resolution. Projections do not chain: compose the maps
-//!   ([`AffineMap::then`]).
-//! - Non-zero couplings of an operator are Θ(N): at most 8N − (k + 2)(k + 4) of wavelets with wavelets, k = log₂ N, and 2k + 1 more with
-//!   the scaling function. Non-zero triplings are Θ(N log N).
-//! - Single couplings, triplings, their gradients and columns are right to a few ε of themselves at every scale and zero if and only if
-//!   they are; rows and operators to a few ε of the amplitudes of both functions.
+//! - L is the L² projection of F(s v + o): exact against anything of the same resolution. Projections do not chain:
+//!   compose the maps ([`AffineMap::then`]).
+//! - Non-zero couplings of an operator are Θ(N): at most 8N − (k + 2)(k + 4) of wavelets with wavelets, k = log₂ N, and
+//!   2k + 1 more with the scaling function. Non-zero triplings are Θ(N log N).
+//! - Single couplings, triplings, their gradients and columns are right to a few ε of themselves at every scale and
+//!   zero if and only if they are; rows and operators to a few ε of the amplitudes of both functions.
 //! - Maps are `f64`, signals `f32` or `f64`. A derivative where the value has a kink is the right-hand one.
 //!
 //! Sources: [Sun 2008, ch. 4]; docs/errata.md lists what is wrong or missing there, docs/affine.md has the pictures.

@@ -9,12 +9,12 @@ use crate::{Error, Real, Result};
 
 /// F(s v + o) of 1D Haar signals: L_k = Σ_i F_i D_ik(s, o)                          [Sun 2008, eq. 4.35].
 ///
-/// Holds the non-zero couplings of one map, row by row of the source; a new map reuses its memory.
-/// The result is the L² projection of F(s v + o) on [0, 1), F = 0 outside: exact against every signal of the same size. Transformed
-/// signals do not chain: compose the maps instead ([`AffineMap::then`]).
+/// Holds the non-zero couplings of one map, row by row of the source; a new map reuses its memory. The result is the L²
+/// projection of F(s v + o) on [0, 1), F = 0 outside: exact against every signal of the same size. Transformed signals
+/// do not chain: compose the maps instead ([`AffineMap::then`]).
 ///
-/// Shapes: signals of `size` coefficients, flat 1D index. Accuracy: a few ε·max|L| in T; couplings are computed in f64, as those of
-/// [`Nonzeros1d::row`](super::Nonzeros1d::row).
+/// Shapes: signals of `size` coefficients, flat 1D index. Accuracy: a few ε·max|L| in T; couplings are computed in f64,
+/// as those of [`Nonzeros1d::row`](super::Nonzeros1d::row).
 /// Cost: [`set`](Self::set) visits the Θ(N) non-zeros alone, `apply` is one multiplication and addition each.
 ///
 /// # Example

@@ -1,20 +1,22 @@
 //! One coupling, from what the constant pieces of two atoms have in common.
 //!
-//! On a piece [a, b] of the source atom and a piece [c, d] of the target atom the integrand is ± the product of both amplitudes. In
-//! source space, x = s v + o, where nothing has been divided by s,
+//! On a piece [a, b] of the source atom and a piece [c, d] of the target atom the integrand is ± the product of both
+//! amplitudes. In source space, x = s v + o, where nothing has been divided by s,
 //!
 //!   ∫ f(s v + o) g(v) dv = 2^{(l_i + l_j)/2}/|s| Σ ± |[a, b] ∩ (s [c, d] + o)|.
 //!
-//! An overlap is the least of b − a, |s| (d − c) and the two distances from the beginning of one piece to the end of the other, or 0. Lengths
-//! are exact, distances are of the form x − s v − o and known to a few ε of themselves ([`separation`]): so is every overlap, for all s and o.
-//! Where overlaps of opposite sign cancel, the sum is made without rounding.
+//! An overlap is the least of b − a, |s| (d − c) and the two distances from the beginning of one piece to the end of
+//! the other, or 0. Lengths are exact, distances are of the form x − s v − o and known to a few ε of themselves
+//! ([`separation`]): so is every overlap, for all s and o. Where overlaps of opposite sign cancel, the sum is made
+//! without rounding.
 
 use super::atom::root_power;
 use super::exact_sum::{exact_product, separation};
 use super::zero::exact_integral;
 use super::{AffineMap, Atom, Mother};
 
-/// Overlaps of which more than this share cancels are summed without rounding: their errors would come through eightfold.
+/// Overlaps of which more than this share cancels are summed without rounding: their errors would come through
+/// eightfold.
 const CANCELLED: f64 = 0.125;
 
 /// The constant pieces of an atom: [where it begins, where it ends] among its breakpoints.
@@ -25,7 +27,8 @@ fn pieces(mother: Mother) -> &'static [[usize; 2]] {
     }
 }
 
-/// x_k − (s v_n + o) of breakpoints x_k of the source and v_n of the target, n counted along x; exact in sign, to a few ε of itself.
+/// x_k − (s v_n + o) of breakpoints x_k of the source and v_n of the target, n counted along x; exact in sign, to a few
+/// ε of itself.
 struct Separations([[f64; 3]; 3]);
 
 impl Separations {
@@ -81,7 +84,8 @@ pub(super) fn integral(source: Atom, target: Atom, map: AffineMap) -> f64 {
     root_power(up + down) * (sum / s)
 }
 
-/// The values of a target atom beside each breakpoint of the source, on the side to which its velocity (by sign) points: of the mother, without the amplitude.
+/// The values of a target atom beside each breakpoint of the source, on the side to which its velocity (by sign)
+/// points: of the mother, without the amplitude.
 ///
 /// Exact, whatever the breakpoints' distance to those of the target.
 pub(super) fn values_beside(source: Atom, target: Atom, map: AffineMap, velocity: [f64; 3]) -> [f64; 3] {

@@ -7,8 +7,8 @@ use super::exact_sum::{exact_product, separation};
 ///
 ///   D_ij(s, o) = ∫ Φ_i(sv + o) Φ_j(v) dv = |[b_i, b_{i+1}] ∩ [j, j + 1]|,    b_k = (k − No)/s                  [Sun 2008, §4.4.1]
 ///
-/// the part of the source pixel, seen from the target, that lies in target pixel j, in pixels. Whether two pixels overlap is decided
-/// exactly for the numbers that `map` holds.
+/// the part of the source pixel, seen from the target, that lies in target pixel j, in pixels. Whether two pixels
+/// overlap is decided exactly for the numbers that `map` holds.
 ///
 /// Accuracy: a few ε relative to D. All of them: [`pixel_coupling_nonzeros`].
 ///
@@ -47,11 +47,11 @@ fn check<const K: usize>(size: usize, indices: [usize; K]) {
     assert!(indices.iter().all(|&i| i < size), "pixels {indices:?} of {size}");
 }
 
-/// The one-sided derivative of [`pixel_coupling`] at (s, o) along `along` = (ds, do): lim (D(s + ε ds, o + ε do) − D)/ε for ε → 0
-/// from above.
+/// The one-sided derivative of [`pixel_coupling`] at (s, o) along `along` = (ds, do): lim (D(s + ε ds, o + ε do) − D)/ε
+/// for ε → 0 from above.
 ///
-/// Exact up to rounding, kinks included: where an end of the source pixel lies on an end of the target pixel, the direction decides
-/// which of the two bounds the overlap.
+/// Exact up to rounding, kinks included: where an end of the source pixel lies on an end of the target pixel, the
+/// direction decides which of the two bounds the overlap.
 ///
 /// # Panics
 /// If i or j is not below `size`.
@@ -63,7 +63,8 @@ pub fn pixel_coupling_slope(size: usize, i: usize, j: usize, map: AffineMap, alo
         return 0.0;
     }
     let [low, high] = grid.ends(i);
-    // (position relative to that end of pixel j, velocity) of what bounds the overlap; of two that coincide, the one that will.
+    // (position relative to that end of pixel j, velocity) of what bounds the overlap; of two that coincide, the one
+    // that will.
     let velocity = |end: usize| grid.velocity(end, j, along);
     let left = last((0.0, 0.0), (grid.distance(low, j), velocity(low)));
     let right = first((0.0, 0.0), (grid.distance(high, j + 1), velocity(high)));
@@ -79,7 +80,8 @@ fn last(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     if a < b { b } else { a }
 }
 
-/// [∂D/∂s, ∂D/∂o] of [`pixel_coupling`], each the right-hand derivative at a kink; other directions: [`pixel_coupling_slope`].
+/// [∂D/∂s, ∂D/∂o] of [`pixel_coupling`], each the right-hand derivative at a kink; other directions:
+/// [`pixel_coupling_slope`].
 ///
 /// # Panics
 /// If i or j is not below `size`.
@@ -137,9 +139,9 @@ pub fn pixel_tripling_nonzeros(size: usize, map: AffineMap) -> impl Iterator<Ite
 ///
 ///   N + min(⌈N·min(|s|, 1/|s|)⌉, N − 1)
 ///
-/// The pieces between all pixel ends of source and target inside what they have in common: an open interval of length w holds at
-/// most ⌈w⌉ ends of a grid of step 1. [Sun 2008, §4.4.1] has min((s + 1)N, (1/s + 1)N), "tight", which the true number can exceed by
-/// less than 1 (s = 3/2, N = 8: 14 against 13.3) and never reaches at s = 1 (docs/errata.md).
+/// The pieces between all pixel ends of source and target inside what they have in common: an open interval of length w
+/// holds at most ⌈w⌉ ends of a grid of step 1. [Sun 2008, §4.4.1] has min((s + 1)N, (1/s + 1)N), "tight", which the
+/// true number can exceed by less than 1 (s = 3/2, N = 8: 14 against 13.3) and never reaches at s = 1 (docs/errata.md).
 pub fn pixel_coupling_bound(size: usize, map: AffineMap) -> usize {
     let ratio = map.scale().abs().min(map.scale().abs().recip());
     size.saturating_add(((size as f64 * ratio).ceil() as usize).min(size.saturating_sub(1)))
@@ -196,7 +198,8 @@ impl Grid {
             return (0, 0);
         }
         let first = self.ends(self.pixel(0))[0];
-        // The largest j ≤ b of the first source end b, and the first step that ends after it: a guess in `f64`, then exactly.
+        // The largest j ≤ b of the first source end b, and the first step that ends after it: a guess in `f64`, then
+        // exactly.
         let mut j = (self.distance(first, 0).max(0.0) as usize).min(self.size);
         while j > 0 && self.distance(first, j) < 0.0 {
             j -= 1;
@@ -230,7 +233,8 @@ mod tests {
 
     #[test]
     fn distances_far_below_the_rounding_of_their_terms_are_right() {
-        // k − s·j − No = 2^−107 and −11·2^−106, as rationals have it: two roundings more lose the one and a tenth of the other.
+        // k − s·j − No = 2^−107 and −11·2^−106, as rationals have it: two roundings more lose the one and a tenth of
+        // the other.
         let mantissa = |m: u64, exponent: i32| m as f64 * 2f64.powi(exponent);
         for (size, k, j, s, o, source) in [
             (3, 2, 3, mantissa(6004799503160661, -107), 2.0 / 3.0, mantissa(1, -107)),

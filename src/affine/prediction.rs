@@ -10,10 +10,11 @@ use crate::{Error, Result, parallel};
 /// What is assumed of a light whose target coefficients are to be predicted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Heuristic<'a> {
-    /// It is constant: L̃_k = D_0k, what the thesis uses. Only wavelets that an edge of the light crosses are predicted, at most
-    /// about 10 of 32 an axis.
+    /// It is constant: L̃_k = D_0k, what the thesis uses. Only wavelets that an edge of the light crosses are
+    /// predicted, at most about 10 of 32 an axis.
     Constant,
-    /// It has these coefficients F̃_i: L̃_k = Σ_i F̃_i D_ik                                              [Sun 2008, eq. 4.38].
+    /// It has these coefficients F̃_i: L̃_k = Σ_i F̃_i D_ik                                              [Sun 2008, eq.
+    /// 4.38].
     Light(&'a [f64]),
     /// Its coefficients are uncorrelated with these mean squares σ_i²: L̃_k² = Σ_i σ_i² D_ik². [`mean_squares_1d`]
     /// and [`mean_squares_2d`] make them from lights.
@@ -24,13 +25,14 @@ pub enum Heuristic<'a> {
 ///
 /// [Sun 2008, §4.5.5, "target-level compression"]
 ///
-/// `Q` is the number of axes, 1 or 2. In 2D both axes share the scale (that of the first map counts) but not the offset. The
-/// choice is made once for each cell of a [`MapGrid`] (in 2D: scale × offset × offset), when it is first asked for, and kept; any
-/// number of threads may ask at a time.
+/// `Q` is the number of axes, 1 or 2. In 2D both axes share the scale (that of the first map counts) but not the
+/// offset. The choice is made once for each cell of a [`MapGrid`] (in 2D: scale × offset × offset), when it is first
+/// asked for, and kept; any number of threads may ask at a time.
 ///
 /// # Which heuristic
-/// Mean relative L2 error of 32² textured lights (gradient, discs, noise) over scales ¼…4 and offsets, when 20 % and 30 % of the
-/// targets are asked for on 16 × 24² cells, in the standard basis (the nonstandard one has about 0.8 times the error):
+/// Mean relative L2 error of 32² textured lights (gradient, discs, noise) over scales ¼…4 and offsets, when 20 % and
+/// 30 % of the targets are asked for on 16 × 24² cells, in the standard basis (the nonstandard one has about 0.8 times
+/// the error):
 ///
 /// | heuristic | 20 % | 30 % |
 /// |---|---|---|
@@ -42,8 +44,8 @@ pub enum Heuristic<'a> {
 /// | the same, mean over 3³ maps a cell | .037 | .015 |
 /// | the largest, known afterwards | .011 | .0025 |
 ///
-/// So: `Power` with samples where lights change all the time; the light itself with samples where it is edited now and then,
-/// since choices are made only for the cells in use.
+/// So: `Power` with samples where lights change all the time; the light itself with samples where it is edited now and
+/// then, since choices are made only for the cells in use.
 ///
 /// # Example
 /// ```
@@ -77,19 +79,19 @@ enum Basis {
 }
 
 impl Prediction<1> {
-    /// For 1D signals of `size` coefficients.
+    /// A prediction for 1D signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] unless the heuristic has as many coefficients;
-    /// [`Error::NotFinite`] for those that are not; [`Error::OutOfRange`] for a negative mean square, a fraction to keep outside [0, 1] and more
-    /// than 2²⁶ coefficients.
+    /// [`Error::NotFinite`] for those that are not; [`Error::OutOfRange`] for a negative mean square, a fraction to
+    /// keep outside [0, 1] and more than 2²⁶ coefficients.
     pub fn new(size: usize, heuristic: Heuristic<'_>, grid: MapGrid, keep: Keep) -> Result<Self> {
         Self::build(Basis::Line(Nonzeros1d::new(size)?), size, heuristic, grid, keep)
     }
 }
 
 impl Prediction<2> {
-    /// For images of `side`² coefficients.
+    /// A prediction for images of `side`² coefficients.
     ///
     /// # Errors
     /// As in 1D (a side of 8192 has 2²⁶ coefficients), and [`Error::OutOfRange`] for a grid of more than 2²⁴ cells.
@@ -128,8 +130,8 @@ impl<const Q: usize> Prediction<Q> {
         Ok(Self { basis, source, squared, grid, keep, samples: 1, reach: 0, best: empty(), joined: empty() })
     }
 
-    /// Predicts the union of what all cells at most `reach` away along each axis predict: 1 is the cell and its neighbours. 0 is
-    /// the default.
+    /// Predicts the union of what all cells at most `reach` away along each axis predict: 1 is the cell and its
+    /// neighbours. 0 is the default.
     ///
     /// The constant light needs it to come to the 20–30 % of the targets of which the thesis speaks.
     pub fn with_union(mut self, reach: usize) -> Self {
@@ -138,19 +140,19 @@ impl<const Q: usize> Prediction<Q> {
         self
     }
 
-    /// Ranks targets by the mean of L̃_k² over so many maps an axis of a cell (at least 1), rather than by its centre alone,
-    /// which is the default.
+    /// Ranks targets by the mean of L̃_k² over so many maps an axis of a cell (at least 1), rather than by its centre
+    /// alone, which is the default.
     ///
-    /// Edges move by a cell's width within it: a choice for the centre alone misses the finest wavelets of most maps. A choice
-    /// takes `samples`^(Q + 1) times as long; more than 64 are held at 64.
+    /// Edges move by a cell's width within it: a choice for the centre alone misses the finest wavelets of most maps. A
+    /// choice takes `samples`^(Q + 1) times as long; more than 64 are held at 64.
     pub fn with_samples(mut self, samples: usize) -> Self {
         self.samples = samples.clamp(1, 64);
         self.best.iter_mut().chain(&mut self.joined).for_each(|cell| drop(cell.take()));
         self
     }
 
-    /// The flat indices, ascending, of the targets to compute. None where nothing of the light is in sight; a scale outside the
-    /// grid counts as its nearest.
+    /// The flat indices, ascending, of the targets to compute. None where nothing of the light is in sight; a scale
+    /// outside the grid counts as its nearest.
     pub fn targets(&self, maps: [AffineMap; Q]) -> &[u32] {
         let mut place = [0; Q];
         for (place, map) in place.iter_mut().zip(maps) {
@@ -280,15 +282,16 @@ impl<const Q: usize> Prediction<Q> {
 /// Shapes: each light and the result have `size` elements. Without lights all is zero.
 ///
 /// # Errors
-/// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] for a light of another length; [`Error::NotFinite`] for a coefficient that
-/// is not; [`Error::OutOfRange`] for mean squares that overflow, and above 2²⁶ coefficients. Squares of less than 1e-154 vanish.
+/// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::Length`] for a light of another length; [`Error::NotFinite`]
+/// for a coefficient that is not; [`Error::OutOfRange`] for mean squares that overflow, and above 2²⁶ coefficients.
+/// Squares of less than 1e-154 vanish.
 pub fn mean_squares_1d(size: usize, lights: &[&[f64]]) -> Result<Vec<f64>> {
     levels_of("size of a signal", size)?;
     mean_squares(size, lights, octave)
 }
 
-/// Mean squares of 2D coefficients for [`Heuristic::Power`]: over the given lights and over the wavelets of a level (of a pair of
-/// levels, in the standard basis) and kind.
+/// Mean squares of 2D coefficients for [`Heuristic::Power`]: over the given lights and over the wavelets of a level (of
+/// a pair of levels, in the standard basis) and kind.
 ///
 /// Shapes: each light and the result have `side`² elements. Without lights all is zero.
 ///
@@ -350,8 +353,8 @@ fn check_count(what: &'static str, len: usize) -> Result<()> {
     Ok(())
 }
 
-/// The non-zero elements, all checked, times the power of two that brings the largest near 1: only ratios count, and squares of any
-/// magnitude stay in range.
+/// The non-zero elements, all checked, times the power of two that brings the largest near 1: only ratios count, and
+/// squares of any magnitude stay in range.
 fn nonzero(len: usize, values: &[f64], what: &'static str, squares: bool) -> Result<Vec<(usize, f64)>> {
     if values.len() != len {
         return Err(Error::Length { what, expected: len, got: values.len() });
@@ -372,8 +375,8 @@ fn nonzero(len: usize, values: &[f64], what: &'static str, squares: bool) -> Res
     Ok(scaled.filter(|(_, v)| *v != 0.0).collect())
 }
 
-/// The places of the `keep` largest powers, ascending; ties go to the lower place. What is zero or rounding noise (1e-13 in
-/// amplitude) is not worth a term.
+/// The places of the `keep` largest powers, ascending; ties go to the lower place. What is zero or rounding noise
+/// (1e-13 in amplitude) is not worth a term.
 fn largest(scores: &[f64], keep: usize) -> Box<[u32]> {
     let top = scores.iter().copied().fold(0.0, f64::max);
     let mut places: Vec<u32> = (0..scores.len() as u32).filter(|&k| scores[k as usize] > 1e-26 * top).collect();

@@ -1,13 +1,15 @@
-//! A transformed atom as what it is: a piecewise constant function of at most three breakpoints.
+//! A transformed atom, held as a piecewise constant function of at most three breakpoints.
 //!
-//! A function f of compact support with jumps h_k at b_k has, against an atom g_{l,t} = 2^{l/2} g(2^l v − t) with primitive G of g,
+//! A function f of compact support with jumps h_k at b_k has, against an atom g_{l,t} = 2^{l/2} g(2^l v − t) with
+//! primitive G of g,
 //!
 //!   ∫ f g_{l,t} dv = −2^{−l/2} Σ_k h_k G(2^l b_k − t):
 //!
-//! integrate from each jump to +∞; the terms G(∞) cancel because the jumps add to 0. Λ, the primitive of ψ, vanishes outside its own
-//! cell, so a wavelet of level l is met only where a breakpoint falls into its cell: three at most, whatever the size of the
-//! signal. Where one cell has all three breakpoints of a wavelet in one of its halves, the sum is zero (the wavelet lies inside a constant
-//! piece); that is decided by comparison, so that no rounding leaves a spurious term.
+//! integrate from each jump to +∞; the terms G(∞) cancel because the jumps add to 0. Λ, the primitive of ψ, vanishes
+//! outside its own cell, so a wavelet of level l is met only where a breakpoint falls into its cell: three at most,
+//! whatever the size of the signal. Where one cell has all three breakpoints of a wavelet in one of its halves, the sum
+//! is zero (the wavelet lies inside a constant piece); that is decided by comparison, so that no rounding leaves a
+//! spurious term.
 
 use super::atom::{Atom, power, root_power};
 use super::zero::vanishes;
@@ -25,21 +27,24 @@ pub(super) struct Steps {
     grid: Grid,
 }
 
-/// Breakpoints clamped to [0, 1] as multiples of 2^−62: cells are shifts, sums are exact, and a sum that is not zero is a coupling
-/// that is not zero. The half step of 2^−63 is far below the rounding of the breakpoints. Outside of [0, 1] nothing is met, so the
-/// clamping changes nothing.
+/// The breakpoints as integers: clamped to [0, 1], in units of 2^−62.
+///
+/// In this form the cell of a breakpoint is a shift and sums are exact, so that a sum that is not zero is a coupling
+/// that is not zero. What is lost by the unit is far below the rounding of the breakpoints. No function of the basis
+/// reaches outside of [0, 1], so that clamping changes no coupling.
 #[derive(Debug, Clone, Copy)]
 struct Grid {
     at: [i64; 3],
     weight: [i64; 3],
-    /// No wavelet of a coarser level is met.
+    /// Wavelets of levels coarser than this are not met.
     first: u32,
 }
 
 const BITS: u32 = 62;
 const UNIT: i64 = 1 << BITS;
 
-/// The room for a row that [`Steps::write_basis`] writes: three functions a level, the mean, and a place beyond the end.
+/// The room for a row that [`Steps::write_basis`] writes: three functions a level, the mean, and a place beyond the
+/// end.
 #[inline(always)]
 pub(super) fn row_room(levels: u32) -> usize {
     3 * levels as usize + 2
@@ -54,8 +59,8 @@ impl Grid {
         if low >= 1.0 || high <= 0.0 {
             first = u32::MAX;
         } else if mother == Mother::Wavelet && low >= 0.0 && high <= 1.0 {
-            // The whole wavelet lies in one constant piece, a half cell, of coarser levels. The half cell of level l that holds a
-            // position is its first l + 1 bits, and the end of the wavelet is open.
+            // The whole wavelet lies in one constant piece, a half cell, of coarser levels. The half cell of level l
+            // that holds a position is its first l + 1 bits, and the end of the wavelet is open.
             let apart = at[0] ^ (at[2] - 1).max(at[0]);
             first = apart.leading_zeros() - (i64::BITS - BITS);
         }
@@ -123,8 +128,8 @@ impl Steps {
         }
     }
 
-    /// Writes the functions of the 1D basis of `levels` levels that are met, by ascending flat index, to the front of `index` and `value`; returns the number. Both have at least
-    /// [`row_room`] places.
+    /// Writes the functions of the 1D basis of `levels` levels that are met, by ascending flat index, to the front of
+    /// `index` and `value`; returns the number. Both have at least [`row_room`] places.
     #[inline(always)]
     pub(super) fn write_basis<T: Real>(&self, levels: u32, index: &mut [u32], value: &mut [T]) -> usize {
         let room = row_room(levels);
@@ -210,8 +215,9 @@ impl Steps {
 
     /// Visits the atoms of a level whose coupling changes with a parameter: (t, its right-hand derivative).
     ///
-    /// `velocity` is db_k/dp. A breakpoint moves Σ w_k G(2^l b_k − t) by w_k 2^l velocity_k g(…), g the value of the atom's mother
-    /// on the side to which the breakpoint moves; so only cells that a breakpoint lies in, or enters, are met.
+    /// `velocity` is db_k/dp. A breakpoint moves Σ w_k G(2^l b_k − t) by w_k 2^l velocity_k g(…), g the value of the
+    /// atom's mother on the side to which the breakpoint moves; so only cells that a breakpoint lies in, or enters, are
+    /// met.
     #[inline(always)]
     fn slopes(&self, mother: Mother, level: u32, velocity: [f64; 3], mut visit: impl FnMut(usize, f64)) {
         let factor = self.amplitude * root_power(level as i32);
@@ -242,7 +248,8 @@ impl Steps {
         }
     }
 
-    /// Visits the functions of the 1D basis whose coupling changes with a parameter: (flat index, right-hand derivative).
+    /// Visits the functions of the 1D basis whose coupling changes with a parameter: (flat index, right-hand
+    /// derivative).
     #[inline(always)]
     pub(super) fn basis_slopes(&self, levels: u32, velocity: [f64; 3], mut visit: impl FnMut(usize, f64)) {
         self.slopes(Mother::Scaling, 0, velocity, |_, value| visit(0, value));

@@ -6,18 +6,20 @@ use super::coupling::levels_of;
 use super::{AffineMap, MapGrid, NearestMap, Nonzeros1d};
 use crate::{Error, Result, parallel};
 
-/// All non-zero 1D couplings D_ij(s, o) on a grid of maps                     [Sun 2008, §4.5.5, "memory based approach"].
+/// All non-zero 1D couplings D_ij(s, o) on a grid of maps                     [Sun 2008, §4.5.5, "memory based
+/// approach"].
 ///
-/// A map uses the couplings of the nearest cell of a [`MapGrid`]. Applying an operator of N = 32 that is stored takes a tenth of
-/// computing and applying it with [`Operator1d`](super::Operator1d) while the table stays in the caches (docs/performance.md); the price is the
-/// error below. 2D lights are carried faster, and exactly, by [`Propagation`](super::Propagation).
+/// A map uses the couplings of the nearest cell of a [`MapGrid`]. Applying an operator of N = 32 that is stored takes a
+/// tenth of computing and applying it with [`Operator1d`](super::Operator1d) while the table stays in the caches
+/// (docs/performance.md); the price is the error below. 2D lights are carried faster, and exactly, by
+/// [`Propagation`](super::Propagation).
 ///
 /// # Layout
 /// An entry has an 8-bit target index and an f32 value, 5 bytes; each cell adds 2(N + 1) bytes of row starts.
 ///
 /// # Accuracy
-/// Values are rounded to f32; what counts is the distance to the nearest cell. Mean relative L2 error of a transformed light
-/// (rows of textured lights, N = 32, scales ¼…4), and bytes:
+/// Values are rounded to f32; what counts is the distance to the nearest cell. Mean relative L2 error of a transformed
+/// light (rows of textured lights, N = 32, scales ¼…4), and bytes:
 ///
 /// | cells | error | N = 8 | N = 16 | N = 32 | N = 64 |
 /// |---|---|---|---|---|---|
@@ -27,8 +29,8 @@ use crate::{Error, Result, parallel};
 /// | 512² | .017 | 35.5 MB | 75.3 MB | 156 MB | 319 MB |
 /// | 1024² | .0087 | 142 MB | 301 MB | 625 MB | 1277 MB |
 ///
-/// Twice the thesis' sizes: its ranges of (s, o) are not stated, and every cell of ours has something in sight. Size and time are
-/// linear in N and in the number of cells.
+/// Twice the thesis' sizes: its ranges of (s, o) are not stated, and every cell of ours has something in sight. Size
+/// and time are linear in N and in the number of cells.
 ///
 /// # Example
 /// ```
@@ -58,15 +60,15 @@ struct Slab {
 }
 
 impl StoredCouplings {
-    /// Computes the couplings of signals of `size` coefficients at the centre of each cell, on all threads; the bits are the same
-    /// for any number.
+    /// Computes the couplings of signals of `size` coefficients at the centre of each cell, on all threads; the bits
+    /// are the same for any number.
     ///
-    /// Cost: proportional to the non-zeros; 39 MB (N = 32, 256² cells) take 0.07 s on two cores, where the thesis has 1.06 s for
-    /// 19 MB.
+    /// Cost: proportional to the non-zeros; 39 MB (N = 32, 256² cells) take 0.07 s on two cores, where the thesis has
+    /// 1.06 s for 19 MB.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `size` is one. [`Error::OutOfRange`] if it is above 256, or if the table would take more
-    /// than `limit` bytes; no more than that (and one scale a thread) is allocated to find out.
+    /// [`Error::NotPowerOfTwo`] unless `size` is one. [`Error::OutOfRange`] if it is above 256, or if the table would
+    /// take more than `limit` bytes; no more than that (and one scale a thread) is allocated to find out.
     pub fn new(size: usize, grid: MapGrid, limit: usize) -> Result<Self> {
         levels_of("size of a signal", size)?;
         if size > 256 {
@@ -98,7 +100,7 @@ impl StoredCouplings {
         self.size
     }
 
-    /// Where the entries are.
+    /// The grid of maps that have an entry.
     #[inline]
     pub fn grid(&self) -> &MapGrid {
         &self.grid
@@ -114,8 +116,8 @@ impl StoredCouplings {
         self.slabs.iter().map(Slab::bytes).sum()
     }
 
-    /// The couplings of the nearest cell; none at all where nothing of the signal is in sight. `None` for a scale outside the
-    /// grid.
+    /// The couplings of the nearest cell; none at all where nothing of the signal is in sight. `None` for a scale
+    /// outside the grid.
     pub fn operator(&self, map: AffineMap) -> Option<StoredOperator<'_>> {
         match self.grid.nearest(map) {
             NearestMap::Outside => None,
@@ -185,7 +187,7 @@ impl<'a> StoredOperator<'a> {
         (&self.targets[entries.clone()], &self.values[entries])
     }
 
-    /// How many there are.
+    /// How many couplings the operator has.
     #[inline]
     pub fn nonzeros(&self) -> usize {
         self.values.len()

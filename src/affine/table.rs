@@ -19,7 +19,7 @@ pub enum Quantisation {
 }
 
 impl Quantisation {
-    /// All of them.
+    /// All quantisations.
     pub const ALL: [Self; 5] = [Self::Unorm8, Self::Snorm8, Self::Unorm16, Self::Snorm16, Self::F32];
 
     /// Bytes a texel.
@@ -48,8 +48,8 @@ pub enum Filter {
     /// Bilinear with exact weights.
     #[default]
     Linear,
-    /// Bilinear with weights rounded to so many bits after the point, as most texture units do: 8 is usual, 4 the least that the
-    /// graphics interfaces demand.
+    /// Bilinear with weights rounded to so many bits after the point, as most texture units do: 8 is usual, 4 the least
+    /// that the graphics interfaces demand.
     LinearFixed(u32),
 }
 
@@ -63,28 +63,29 @@ enum Texels {
     F32(Vec<f32>),
 }
 
-/// M(r, c) = M_ψψ of [`canonical`] in a table, for hardware textures                       [Sun 2008, §4.4.2 and §4.5.5].
+/// M(r, c) = M_ψψ of [`canonical`] in a table, for hardware textures                       [Sun 2008, §4.4.2 and
+/// §4.5.5].
 ///
-/// On a processor, and on any GPU whose arithmetic is not the bottleneck, use [`canonical`]: it is exact and cheaper than folding
-/// the arguments of a look-up. The table is for what can only look up, and for reproducing the thesis.
+/// On a processor, and on any GPU whose arithmetic is not the bottleneck, use [`canonical`]: it is exact and cheaper
+/// than folding the arguments of a look-up. The table is for what can only look up, and for reproducing the thesis.
 ///
 /// # Layout
 /// Only the quarter 0 ≤ r ≤ ½, −½ ≤ c ≤ ½ is stored, of which −r ≤ c ≤ ½ is not zero; the rest follows from
 ///
 ///   M(−r, c) = −M(r, c),   M(r, ½ + c) = M(r, ½ − c),   M(r, c) = 2r M(1/4r, ½ + 1/4r − c/2r)
 ///
-/// (the thesis' eq. 4.28 is right, the last line of its derivation is not; see docs/errata.md). With n = `resolution`, texel (x,
-/// y), x < n + 1, y < n/2 + 1, row after row, is M(y/n, x/n − ½): values sit on the quarter's edges. After folding sample with
-/// clamp to edge at
+/// (the thesis' eq. 4.28 is right, the last line of its derivation is not; see docs/errata.md). With n = `resolution`,
+/// texel (x, y), x < n + 1, y < n/2 + 1, row after row, is M(y/n, x/n − ½): values sit on the quarter's edges. After
+/// folding sample with clamp to edge at
 ///
 ///   u = ((c + ½) n + ½)/(n + 1),   v = (r n + ½)/(n/2 + 1),   M = scale·t + bias, see [`Quantisation::decoding`].
 ///
 /// # Why this grid
-/// M is piecewise linear with kinks at c = 0, c = ±r and c = ½ − r. With equal steps 1/n in r and c, n a multiple of 4, they are
-/// grid lines and diagonals of cells, and bilinear interpolation errs only in cells that a diagonal crosses, by at most a quarter
-/// of the jump in slope (1 or 2) a step: 1/(2n). At equal numbers of texels a square table of the same quarter has 1.4 times the
-/// error (RMS 1.7 times), one over (r, (½ − c)/(½ + r)) the same maximum and 1.4 times the RMS, one over (c, c + r) the same
-/// maximum and 1.2 times the RMS.
+/// M is piecewise linear with kinks at c = 0, c = ±r and c = ½ − r. With equal steps 1/n in r and c, n a multiple of 4,
+/// they are grid lines and diagonals of cells, and bilinear interpolation errs only in cells that a diagonal crosses,
+/// by at most a quarter of the jump in slope (1 or 2) a step: 1/(2n). At equal numbers of texels a square table of the
+/// same quarter has 1.4 times the error (RMS 1.7 times), one over (r, (½ − c)/(½ + r)) the same maximum and 1.4 times
+/// the RMS, one over (c, c + r) the same maximum and 1.2 times the RMS.
 ///
 /// # Accuracy
 /// Error of [`lookup`](Self::lookup) over uniform samples of 0 < r ≤ ½, −r ≤ c ≤ ½ in units of 10⁻³, maximum / RMS:
@@ -97,10 +98,10 @@ enum Texels {
 /// | 512 | 513 × 257 | .965 / .025 | .967 / .025 | .965 / .025 | 2.94 / .952 | 3.84 / 1.31 |
 ///
 /// 16 bits lose nothing; with 8, steps of 1.5/255 are all that is left from n = 256 on. Weights of 8 bits
-/// ([`Filter::LinearFixed`]) change the maximum by less than 1 %; the nearest texel errs by 2/n (RMS .58/n). For r > ½ the error
-/// of the folded point is multiplied by 2r: M(r, c) is worth ±1 there and the table's value 1/2r, so a wavelet wider than the
-/// other by more than n/2 is read from the first two rows alone. D carries a factor of 2^{(l_i − l_j)/2}, about (2r)^{−1/2},
-/// which halves the digits lost.
+/// ([`Filter::LinearFixed`]) change the maximum by less than 1 %; the nearest texel errs by 2/n (RMS .58/n). For r > ½
+/// the error of the folded point is multiplied by 2r: M(r, c) is worth ±1 there and the table's value 1/2r, so a
+/// wavelet wider than the other by more than n/2 is read from the first two rows alone. D carries a factor of 2^{(l_i −
+/// l_j)/2}, about (2r)^{−1/2}, which halves the digits lost.
 ///
 /// # Example
 /// ```
@@ -143,13 +144,13 @@ impl CanonicalTable {
         Ok(Self { resolution, filter: Filter::default(), texels })
     }
 
-    /// Reads between texels in another way.
+    /// The same table with another way to read between texels.
     pub fn with_filter(mut self, filter: Filter) -> Self {
         self.filter = filter;
         self
     }
 
-    /// Steps a unit of r or c.
+    /// How many texels there are to a unit of r or c.
     #[inline]
     pub fn resolution(&self) -> usize {
         self.resolution
@@ -195,7 +196,8 @@ impl CanonicalTable {
         }
     }
 
-    /// M(r, c) for any finite r and c, as a texture unit reads it; held in [−1, 1], beyond which the multiplied error of a large r might take it.
+    /// M(r, c) for any finite r and c, as a texture unit reads it; held in [−1, 1], beyond which the multiplied error
+    /// of a large r might take it.
     ///
     /// M is zero at r = 0; NaN gives NaN, and so does an infinite r.
     pub fn lookup(&self, r: f64, c: f64) -> f64 {

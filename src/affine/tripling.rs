@@ -1,8 +1,8 @@
 //! Affine tripling coefficients D_ijk(s, o), one by one and all that are not zero.
 //!
-//! The product of two atoms is ± an atom ([`Atom::product`]), so a tripling coefficient is ± a coupling coefficient, and the non-zero ones are
-//! enumerated with the same three breakpoints. For one source function i and j < k, D_ijk = ±2^{l_j/2} D_ik for the ancestors j of every k
-//! that i meets; D_ikk = 2^{l_k/2} ∫ f φ_{l_k,t_k}.
+//! The product of two atoms is ± an atom ([`Atom::product`]), so a tripling coefficient is ± a coupling coefficient,
+//! and the non-zero ones are enumerated with the same three breakpoints. For one source function i and j < k, D_ijk =
+//! ±2^{l_j/2} D_ik for the ancestors j of every k that i meets; D_ikk = 2^{l_k/2} ∫ f φ_{l_k,t_k}.
 
 use super::atom::root_power;
 use super::coupling::levels_of;
@@ -15,8 +15,9 @@ use crate::haar::{Index1d, Index2d, Kind};
 ///
 ///   D(s, o) = ∫ f(s v + o) g(v) h(v) dv = ±2^{l/2} ∫ f(s v + o) (atom)(v) dv       [Sun 2008, eqs. 4.10, 4.29]
 ///
-/// by [`Atom::product`] of g and h. For wavelets j ≠ k, n the coarse and m the fine one, this is σ 2^{(l_i − l_m + l_n)/2} M(r, c) with σ = −1 where
-/// bit l_m − l_n − 1 of t_m is set; for j = k it is 2^{l_i/2} M_ψφ(r, c). The thesis (Property 2) has lost σ, and the case j = k.
+/// by [`Atom::product`] of g and h. For wavelets j ≠ k, n the coarse and m the fine one, this is σ 2^{(l_i − l_m +
+/// l_n)/2} M(r, c) with σ = −1 where bit l_m − l_n − 1 of t_m is set; for j = k it is 2^{l_i/2} M_ψφ(r, c). The thesis
+/// (Property 2) has lost σ, and the case j = k.
 ///
 /// Accuracy: below 5 ε of D itself, and 0 if and only if D is, as [`coupling`].
 ///
@@ -103,10 +104,12 @@ fn ancestors(level: u32, t: usize, mut visit: impl FnMut(usize, f64)) {
 
 /// The non-zero affine triplings of the 1D basis of one size, found without looking at a zero one.
 ///
-/// Time is proportional to the output, and O(log N) for two given indices. A whole operator has Θ(N log N) non-zeros; [Sun 2008, §4.4.3] gives the bound N log² N.
+/// Time is proportional to the output, and O(log N) for two given indices. A whole operator has Θ(N log N) non-zeros;
+/// [Sun 2008, §4.4.3] gives the bound N log² N.
 ///
-/// D_ijk is symmetric in j and k: visited are those with j ≤ k. A column has the values of [`tripling_1d`], all that are not exactly zero; a
-/// row and [`partners`](Self::partners) have them to rounding, as those of [`Nonzeros1d`](super::Nonzeros1d).
+/// D_ijk is symmetric in j and k: visited are those with j ≤ k. A column has the values of [`tripling_1d`], all that
+/// are not exactly zero; a row and [`partners`](Self::partners) have them to rounding, as those of
+/// [`Nonzeros1d`](super::Nonzeros1d).
 ///
 /// # Example
 /// ```
@@ -124,7 +127,7 @@ pub struct TripleNonzeros1d {
 }
 
 impl TripleNonzeros1d {
-    /// For signals of `size` coefficients.
+    /// The enumeration for signals of `size` coefficients.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `size` is one.
@@ -198,14 +201,14 @@ impl TripleNonzeros1d {
         }
     }
 
-    /// How many there are with j ≤ k.
+    /// How many triplings with j ≤ k are not zero.
     pub fn count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, _, _, _| count += 1);
         count
     }
 
-    /// How many there are of any order of j and k.
+    /// How many triplings are not zero, of any order of j and k.
     pub fn ordered_count(self, map: AffineMap) -> usize {
         let mut count = 0;
         self.all(map, |_, j, k, _| count += if j == k { 1 } else { 2 });
@@ -215,17 +218,19 @@ impl TripleNonzeros1d {
 
 /// The non-zero affine triplings of the 2D nonstandard basis of one side, found without looking at a zero one.
 ///
-/// As [`TripleNonzeros1d`]: of one cell, kinds multiply like the bits of their numbers under exclusive or (a kind with itself: φφ).
+/// As [`TripleNonzeros1d`]: of one cell, kinds multiply like the bits of their numbers under exclusive or (a kind with
+/// itself: φφ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TripleNonzerosNonstandard {
     levels: u32,
 }
 
 impl TripleNonzerosNonstandard {
-    /// For images of `side`² coefficients.
+    /// The enumeration for images of `side`² coefficients.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `side` is one; [`Error::OutOfRange`](crate::Error::OutOfRange) above 2¹⁵.
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless `side` is one;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) above 2¹⁵.
     pub fn new(side: usize) -> Result<Self> {
         NonzerosNonstandard::new(side)?;
         Ok(Self { levels: side.ilog2() })
@@ -288,7 +293,7 @@ impl TripleNonzerosNonstandard {
         }
     }
 
-    /// How many there are with j ≤ k.
+    /// How many triplings with j ≤ k are not zero.
     pub fn count(self, maps: [AffineMap; 2]) -> usize {
         let mut count = 0;
         self.all(maps, |_, _, _, _| count += 1);

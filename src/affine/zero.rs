@@ -1,8 +1,10 @@
-//! Integrals of two atoms without rounding: whether a coupling is exactly zero, and what it is where nearly all of it cancels.
+//! Integrals of two atoms without rounding: whether a coupling is exactly zero, and what it is where nearly all of it
+//! cancels.
 //!
-//! Breakpoints that fall on the ends of cells, and wavelets that are centred on one another, make couplings that are zero only because parts
-//! of them cancel; a rounded breakpoint leaves 1e-17 of them. So a value below the reach of rounding is decided in source space,
-//! x = s v + o, where no division is needed: with y_k = 2^m (b_k − o)/s − u of a target atom (m, u) and breakpoints b_k of the source,
+//! Breakpoints that fall on the ends of cells, and wavelets that are centred on one another, make couplings that are
+//! zero only because parts of them cancel; a rounded breakpoint leaves 1e-17 of them. So a value below the reach of
+//! rounding is decided in source space, x = s v + o, where no division is needed: with y_k = 2^m (b_k − o)/s − u of a
+//! target atom (m, u) and breakpoints b_k of the source,
 //!
 //!   s Σ_k w_k G(y_k),   s Λ(y) = z − s u or s (u + 1) − z,   z = 2^m (b_k − o),
 //!
@@ -42,8 +44,8 @@ pub(super) fn exact_integral(source: Atom, target: Atom, map: AffineMap) -> f64 
     sum_of(terms)
 }
 
-/// The reach of rounding of a coupling: breakpoints are off by less than 4 ε (1 + |o/s|), and each moves the integral by at most
-/// four times that times both amplitudes.
+/// The reach of rounding of a coupling: breakpoints are off by less than 4 ε (1 + |o/s|), and each moves the integral
+/// by at most four times that times both amplitudes.
 #[inline(always)]
 fn reach(source: Atom, target: Atom, map: AffineMap) -> f64 {
     let amplitudes = root_power((source.level + target.level) as i32);

@@ -11,13 +11,14 @@ pub struct Distortion {
     pub max: f64,
     /// √ of the mean squared difference.
     pub rms: f64,
-    /// √(Σ (x − x')² / Σ x²): 0 if nothing is lost, 1 if all is; 0 for zeros that stay zeros, infinite for zeros that do not.
+    /// √(Σ (x − x')² / Σ x²): 0 if nothing is lost, 1 if all is; 0 for zeros that stay zeros, infinite for zeros that
+    /// do not.
     pub relative: f64,
 }
 
 impl Distortion {
-    /// Of numbers and what is left of them, of any magnitude; all 0 if there are none. NaN in either makes `rms` NaN; a difference that
-    /// overflows is infinite.
+    /// Of numbers and what is left of them, of any magnitude; all 0 if there are none. NaN in either makes `rms` NaN; a
+    /// difference that overflows is infinite.
     ///
     /// # Panics
     /// If the lengths differ.

@@ -1,6 +1,7 @@
-//! Numbers without a pattern.
+//! A generator of pseudorandom numbers: for sketches, first means and seeds.
 
-/// SplitMix64: the same everywhere for the same seed. Streams of one seed are independent of each other.
+/// SplitMix64 [Steele et al. 2014]. A seed gives the same numbers on every machine; each stream of a seed is a sequence
+/// of its own.
 pub(super) struct Random(u64);
 
 impl Random {

@@ -20,9 +20,9 @@ enum Layout {
 /// Orthonormal DCT-II of square blocks and its inverse (DCT-III), planned once, applied to batches.
 ///   C_vu = Σ_yx f_yx c_v(y) c_u(x),   c_u(x) = √((2 − δ_u0)/n) cos((2x + 1)uπ/2n)
 ///
-/// The basis that [Inger 2013, §4.1] means: the cosines printed in eq. 4 are not a basis (docs/errata.md). Orthonormal over
-/// the samples, so Σ f g = Σ C_f C_g ([`product_integral`](crate::dct::product_integral)) and a constant block has the one
-/// coefficient C_00 = n · value.
+/// The basis that [Inger 2013, §4.1] means: the cosines printed in eq. 4 are not a basis (docs/errata.md). Orthonormal
+/// over the samples, so Σ f g = Σ C_f C_g ([`product_integral`](crate::dct::product_integral)) and a constant block has
+/// the one coefficient C_00 = n · value.
 ///
 /// Shapes: coefficients block after block, row-major, C_vu at `v·low + u`; `low` = n for whole transforms. Samples of
 /// [`new`](Self::new) block after block, row-major; of [`tiles`](Self::tiles), the image's.
@@ -83,8 +83,8 @@ impl<T: Real> BlockDct<T> {
     /// inside a larger one.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::OutOfRange`] unless `width` is a positive multiple of `side`, and `stride` at least
-    /// `width`.
+    /// As [`new`](Self::new); [`Error::OutOfRange`] unless `width` is a positive multiple of `side`, and `stride` at
+    /// least `width`.
     pub fn tiles(side: usize, width: usize, stride: usize) -> Result<Self> {
         let plan = Self::new(side)?;
         if width == 0 || width % side != 0 {
@@ -114,8 +114,8 @@ impl<T: Real> BlockDct<T> {
     /// Samples → all coefficients of any number of blocks.
     ///
     /// # Panics
-    /// If `coefs.len()` is not a number of blocks times n² (for tiles: of whole rows of tiles), or `samples` is not as long
-    /// as they need: the same length for blocks; for tiles `stride` a row, where the last may end after `width`.
+    /// If `coefs.len()` is not a number of blocks times n² (for tiles: of whole rows of tiles), or `samples` is not as
+    /// long as they need: the same length for blocks; for tiles `stride` a row, where the last may end after `width`.
     #[track_caller]
     pub fn forward(&self, samples: &[T], coefs: &mut [T]) {
         self.forward_low(self.side, samples, coefs);
@@ -150,8 +150,8 @@ impl<T: Real> BlockDct<T> {
         self.run(low, Data::Inverse(coefs), samples);
     }
 
-    /// [`forward_low`](Self::forward_low) on all threads (feature `rayon`; on one without it), for big batches. The same
-    /// bits.
+    /// [`forward_low`](Self::forward_low) on all threads (feature `rayon`; on one without it), for big batches. The
+    /// same bits.
     ///
     /// # Panics
     /// As [`forward_low`](Self::forward_low).

@@ -2,10 +2,11 @@
 //! caller, which `pulp` picks once for a batch, and for the constant sides of the dispatch.
 //!
 //! Derivation. c_u(n−1−x) = (−1)^u c_u(x), so with s[x] = f[x] + f[n−1−x] and d[x] = f[x] − f[n−1−x], x < n/2, the odd
-//! coefficients need only d and the even ones only s, which is the same problem at n/2: n = 16 costs 8² + 4² + 2² + 1² + 1
-//! multiplications a line instead of 16². That is done down the columns, a register of columns at a time. Along the rows,
-//! whose samples lie in one register, a sample is broadcast and multiplies a row of the matrix: no shuffles, no fold.
-//! Inverse: the transpose, in the opposite order. The first `low` frequencies alone: the same with the others left out.
+//! coefficients need only d and the even ones only s, which is the same problem at n/2: n = 16 costs 8² + 4² + 2² +
+//! 1² + 1 multiplications a line instead of 16². That is done down the columns, a register of columns at a time. Along
+//! the rows, whose samples lie in one register, a sample is broadcast and multiplies a row of the matrix: no shuffles,
+//! no fold. Inverse: the transpose, in the opposite order. The first `low` frequencies alone: the same with the others
+//! left out.
 
 use super::tables::Tables;
 use crate::Real;
@@ -34,7 +35,8 @@ impl<T: Real, const N: usize, const L: usize> Work<T, N, L> {
     }
 }
 
-/// Σ_i weights\[i\]·rows\[i\] over C terms. Each lane is one expression that ends in a store: LLVM makes a vector of it.
+/// Σ_i weights\[i\]·rows\[i\] over C terms. Each lane is one expression that ends in a store: LLVM makes a vector of
+/// it.
 #[inline(always)]
 fn sum_of<T: Real, const C: usize, const L: usize>(weights: &[T], rows: &[[T; L]], out: &mut [T; L]) {
     let (Some(weights), Some(rows)) = (weights.first_chunk::<C>(), rows.first_chunk::<C>()) else { return };

@@ -1,8 +1,8 @@
 //! The cosine transform of square blocks, and its lowest frequencies from few samples or few coefficients.
 //!
-//! A light is cut into blocks of, say, 16 × 16 texels. Over a block where nothing hides it, the light reflected by a smooth
-//! BRDF is a dot product of a few DCT coefficients of both: those of the light come from a transform at every new light, those
-//! of the BRDF from a handful of samples at every vertex [Inger 2013, §4.1].
+//! A light is cut into blocks of, say, 16 × 16 texels. Over a block where nothing hides it, the light reflected by a
+//! smooth BRDF is a dot product of a few DCT coefficients of both: those of the light come from a transform at every
+//! new light, those of the BRDF from a handful of samples at every vertex [Inger 2013, §4.1].
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -12,8 +12,8 @@
 //! | the same, at whole pixels only | the same | [`LowProjection::at`] |
 //! | coefficients of two functions | the sum over the block of their product | [`product_integral`] |
 //!
-//! The basis is orthonormal over the *samples* of a block, unlike that of [`haar`](crate::haar), which is orthonormal over
-//! the unit square: C_00 is side × mean. NaN and infinity reach every coefficient of their block, and only theirs.
+//! The basis is orthonormal over the *samples* of a block, unlike that of [`haar`](crate::haar), which is orthonormal
+//! over the unit square: C_00 is side × mean. NaN and infinity reach every coefficient of their block, and only theirs.
 
 mod block;
 mod kernels;

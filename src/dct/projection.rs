@@ -13,16 +13,16 @@ const WORST_CONDITION: f64 = 1e3;
 ///   Σ_{u,v<l} A_vu c_v(y_j) c_u(x_k) = ρ(x_k, y_j)                    [Inger 2013, eq. 4, with the basis of `BlockDct`]
 ///   A = P S Pᵀ,  P = [c_u(x_k)]⁻¹
 ///
-/// Positions are in units of pixels: 0 is the centre of the first, −½ the block's edge. The cosines of the print are not a
-/// basis, and its samples are singular (docs/errata.md). Choose
+/// Positions are in units of pixels: 0 is the centre of the first, −½ the block's edge. The cosines of the print are
+/// not a basis, and its samples are singular (docs/errata.md). Choose
 ///
 /// | positions | P | condition of an axis, l = 2, 4 |
 /// |---|---|---|
 /// | [`centres`](Self::centres), (k + ½)n/l − ½ | √(n/l) · DCT of l samples | 1, always |
 /// | [`at`](Self::at) pixels of n = 16: l = 2 {3, 12}, l = 4 {1, 6, 10, 14} | the inverse | 1.09, 1.32 |
 ///
-/// In two dimensions the condition is the square. What the block holds above the l lowest frequencies is aliased; at the
-/// centres frequency 2l − u folds onto −u.
+/// In two dimensions the condition is the square. What the block holds above the l lowest frequencies is aliased; at
+/// the centres frequency 2l − u folds onto −u.
 ///
 /// Shapes: samples and coefficients l², row-major, `y·l + x` and `v·l + u`.
 /// Accuracy: l·ε·condition of the largest sample's n, about. Cost: 2l³ multiplications.
@@ -64,8 +64,9 @@ impl<T: Real> LowProjection<T> {
     /// Samples at any positions, the same on both axes; l is their number.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for sizes as in [`centres`](Self::centres), for a position outside [−½, side − ½], and where
-    /// the condition number of an axis exceeds 1000 (coinciding or badly placed positions); [`Error::NotFinite`] for NaN.
+    /// [`Error::OutOfRange`] for sizes as in [`centres`](Self::centres), for a position outside [−½, side − ½], and
+    /// where the condition number of an axis exceeds 1000 (coinciding or badly placed positions); [`Error::NotFinite`]
+    /// for NaN.
     pub fn at(side: usize, positions: &[f64]) -> Result<Self> {
         let low = positions.len();
         check_sizes(side, low)?;

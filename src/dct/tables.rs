@@ -24,7 +24,8 @@ pub(super) fn basis(n: usize, u: usize, x: usize) -> f64 {
 /// The matrices of a block with `side` n, rounded once from `f64`.
 #[derive(Debug, Clone)]
 pub(super) struct Tables<T> {
-    /// For half-lengths n/2, n/4, …, 1: the basis functions that change sign under reflection, [frequency][x], symmetric.
+    /// For half-lengths n/2, n/4, …, 1: the basis functions that change sign under reflection, [frequency][x],
+    /// symmetric.
     pub odd: Vec<T>,
     /// The basis as [x][u], in columns of `lanes`: the first `lanes` of each row, the next of each, …
     pub by_sample: Vec<T>,

@@ -1,12 +1,12 @@
 //! PyWavelets' orders and scaling of the same coefficients.
 //!
-//! PyWavelets' `haar` is orthonormal on *samples*: (a ± b)/√2 at each step, so that Σ c² = Σ x². Ours is orthonormal on the
-//! unit interval or square: Σ c² = mean x². One is the other times the square root of the number of samples, with the
-//! same signs: PyWavelets' detail is (a − b)/√2, first minus second, as ψ is.
+//! PyWavelets' `haar` is orthonormal on *samples*: (a ± b)/√2 at each step, so that Σ c² = Σ x². Ours is orthonormal on
+//! the unit interval or square: Σ c² = mean x². One is the other times the square root of the number of samples, with
+//! the same signs: PyWavelets' detail is (a − b)/√2, first minus second, as ψ is.
 //!
 //! Its names of the 2D details are those of edges, ours those of the direction of change: `cH` (its key `da`: detail
-//! along axis 0 = y, approximation along axis 1 = x) is φ(x)ψ(y), our vertical; `cV` (`ad`) is ψ(x)φ(y), our horizontal;
-//! `cD` is diagonal in both.
+//! along axis 0 = y, approximation along axis 1 = x) is φ(x)ψ(y), our vertical; `cV` (`ad`) is ψ(x)φ(y), our
+//! horizontal; `cD` is diagonal in both.
 
 use crate::{Error, Real, Result};
 

@@ -1,8 +1,8 @@
 //! Haar wavelets on [0, 1] and [0, 1]²: transforms, pyramids, sparse vectors and the choice of terms.
 //!
 //! A signal or image is the piecewise constant function whose values on 2^k cells a side are its samples. Its
-//! coefficients are inner products with an orthonormal basis of the *unit* interval or square, so they do not change when
-//! the same function is sampled more finely, coefficient 0 is the mean, and Σ c² is the mean of x² (Parseval).
+//! coefficients are inner products with an orthonormal basis of the *unit* interval or square, so they do not change
+//! when the same function is sampled more finely, coefficient 0 is the mean, and Σ c² is the mean of x² (Parseval).
 //!
 //! | basis | index | function | made by |
 //! |---|---|---|---|
@@ -13,7 +13,20 @@
 //! Which one: products of three functions and quadtrees need the *nonstandard* basis, whose supports are squares; it is
 //! also the cheaper transform. Separable work (one axis scaled or filtered apart from the other) wants *standard*.
 //!
+//! | you have | you want | use |
+//! |---|---|---|
+//! | samples | coefficients, and back | [`Transform1d`], [`Transform2d`] |
+//! | too many coefficients | the few that matter | [`Selection`] |
+//! | light and lobe in few terms, a shadow | ∫ of their product | [`TripleProduct`] |
+//! | two signals | the coefficients of their product | [`Product1d`], [`Product2d`], [`multiply_sparse_2d`] |
+//! | any number of sparse signals | their product, or its integral | [`NFoldProduct`] |
+//! | three basis functions | their tripling coefficient | [`tripling_1d`], [`tripling_2d`] |
+//! | an image | its mean over each square of the quadtree | [`Pyramid`] |
+//! | PyWavelets' coefficients | ours, and back | [`from_pywavelets_2d`], [`to_pywavelets_2d`] |
+//!
 //! NaN and infinity reach exactly the coefficients whose basis function covers the sample, and back.
+//!
+//! docs/haar.md has the theory and what was measured.
 
 mod coupling;
 mod index;

@@ -4,10 +4,11 @@
 //! there: the integral of that one is its mean, the others are factors. So the traversal carries, down one path, the
 //! mean of every signal that still varies and one number for the product of those that do not, and stops
 //! - the integral: where at most one signal varies, or where that one number is 0;
-//! - the product's coefficients: where none varies, or where that one number is 0 (where one varies, its details are copied, scaled).
+//! - the product's coefficients: where none varies, or where that one number is 0 (where one varies, its details are
+//!   copied, scaled).
 //!
-//! A node is visited only if at least two (integral) or one (coefficients) of the trees have it. No C_ijk… table is needed for
-//! any N, since children's means are the sums that such a table would produce one by one.
+//! A node is visited only if at least two (integral) or one (coefficients) of the trees have it. No C_ijk… table is
+//! needed for any N, since children's means are the sums that such a table would produce one by one.
 //!
 //! Source: [Sun & Mukherjee 2006], who carry parent sums down the trees; the form by means instead of by coefficient
 //! products is ours. For N = 3 see also [`TripleProduct`](super::TripleProduct), made for speed.
@@ -45,15 +46,15 @@ struct Active {
 }
 
 impl NFoldProduct {
-    /// An empty one.
+    /// A product without scratch memory yet.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// ∫ f₁ f₂ ⋯ f_N over the unit interval (2 children) or square (4).
     ///
-    /// Accuracy: computed in f64, sums of products of means without cancellation between levels: relative to ∫ Π|f_i| about
-    /// (N + levels) · 2⁻⁵³. Cost: about 10 ns for every (node, signal) pair visited; see the module for which.
+    /// Accuracy: computed in f64, sums of products of means without cancellation between levels: relative to ∫ Π|f_i|
+    /// about (N + levels) · 2⁻⁵³. Cost: about 10 ns for every (node, signal) pair visited; see the module for which.
     ///
     /// # Panics
     /// If there is no factor or the factors differ in size.
@@ -64,8 +65,8 @@ impl NFoldProduct {
 
     /// The non-zero coefficients of the product f₁ f₂ ⋯ f_N, which lies in the span of the same basis.
     ///
-    /// Coefficients that vanish only in exact arithmetic may remain as rounding errors. Cost: proportional to the nodes in the union
-    /// of the trees outside regions where a factor is 0, and sorting the output.
+    /// Coefficients that vanish only in exact arithmetic may remain as rounding errors. Cost: proportional to the nodes
+    /// in the union of the trees outside regions where a factor is 0, and sorting the output.
     ///
     /// # Panics
     /// If there is no factor or the factors differ in size.

@@ -3,8 +3,10 @@
 //! With the means a_f, a_g of a node and S(n) = Σ f_j g_j over the details at and below n, the tripling coefficients
 //! collapse to one pass down (means) and one up (S):
 //!
-//!   1D: (fg)_n = a_f g_n + a_g f_n + 2^{l/2} [S(left) − S(right)],   (fg)_0 = f_0 g_0 + S(root)
-//!   2D: (fg)_{n,k} = a_f g_k + a_g f_k + 2^l [f_i g_j + f_j g_i + Σ_c ±_k S(child c)],   {i, j, k} = {h, v, d}
+//! ```text
+//! 1D: (fg)_n = a_f g_n + a_g f_n + 2^{l/2} [S(left) − S(right)],   (fg)_0 = f_0 g_0 + S(root)
+//! 2D: (fg)_{n,k} = a_f g_k + a_g f_k + 2^l [f_i g_j + f_j g_i + Σ_c ±_k S(child c)],   {i, j, k} = {h, v, d}
+//! ```
 //!
 //! | signals | use | cost |
 //! |---|---|---|

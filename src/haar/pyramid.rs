@@ -60,7 +60,8 @@ impl<T: Real> Pyramid<T> {
         Ok(pyramid)
     }
 
-    /// The pyramid of an image given by its nonstandard coefficients, in the order of [`Index2d`](crate::haar::Index2d).
+    /// The pyramid of an image given by its nonstandard coefficients, in the order of
+    /// [`Index2d`](crate::haar::Index2d).
     ///
     /// # Errors
     /// Those of [`new`](Self::new); [`Error::Length`] unless there are size² coefficients.

@@ -9,8 +9,8 @@ use crate::{Error, Real, Result};
 
 /// What a term is worth: the key κ_i by which terms are ranked, largest first.
 ///
-/// A detail of level l has amplitude 2^l on a support of area 4^{−l}: ∫Ψ² = 1, ∫|Ψ| = 2^{−l}. With f the full and f̃ the
-/// kept function:
+/// A detail of level l has amplitude 2^l on a support of area 4^{−l}: ∫Ψ² = 1, ∫|Ψ| = 2^{−l}. With f the full and f̃
+/// the kept function:
 ///
 /// | weighting | κ_i | what the choice of the n largest κ does |
 /// |---|---|---|
@@ -20,9 +20,9 @@ use crate::{Error, Real, Result};
 /// | `Area` | \|c_i\|·area = \|c_i\|·4^{−l} | leans further to coarse terms [Ng 2003, area-weighted] |
 /// | `Transport` | \|c_i\|·w_i, w_i = √(Σ_v T_vi²) | minimises Σ_v error_v² where the dropped terms' errors are uncorrelated [Ng 2003, transport-weighted] |
 ///
-/// Light that is looked at wants `Magnitude`. Light that is integrated against visibility and reflection wants `Integral`:
-/// a magnitude choice spends its terms on the rim of a small bright source, whose fine details hardly move any integral.
-/// `Transport` is the best where a transport matrix is at hand, and the only one that has seen the scene.
+/// Light that is looked at wants `Magnitude`. Light that is integrated against visibility and reflection wants
+/// `Integral`: a magnitude choice spends its terms on the rim of a small bright source, whose fine details hardly move
+/// any integral. `Transport` is the best where a transport matrix is at hand, and the only one that has seen the scene.
 #[derive(Debug, Clone, Copy, Default)]
 pub enum Weighting<'a, T> {
     /// |c|.
@@ -41,15 +41,15 @@ pub enum Weighting<'a, T> {
 /// How many terms to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Keep {
-    /// So many (all, if there are not as many).
+    /// This number of terms; all of them, if there are fewer.
     Terms(usize),
     /// This part of the vector's length, in [0, 1], rounded up to whole terms.
     Fraction(f64),
 }
 
 impl Keep {
-    /// How many terms of `len` are kept, before scaling functions that are always kept: at most `len`, and all of them for a
-    /// fraction above 1, none for one that is negative or NaN (which what takes a `Keep` refuses).
+    /// How many terms of `len` are kept, before scaling functions that are always kept: at most `len`, and all of them
+    /// for a fraction above 1, none for one that is negative or NaN (which what takes a `Keep` refuses).
     pub fn of(self, len: usize) -> usize {
         match self {
             Self::Terms(n) => n.min(len),
@@ -124,8 +124,8 @@ pub enum ChannelRule {
 /// A rule for choosing terms.
 ///
 /// Without settings: [`Weighting::Integral`], [`ScalingTerms::Always`], [`ChannelRule::Norm`], one block. Of equal keys
-/// the lower index is kept; terms whose key is 0 never are (but see [`ScalingTerms`]): the result is deterministic and may
-/// have fewer terms than asked for.
+/// the lower index is kept; terms whose key is 0 never are (but see [`ScalingTerms`]): the result is deterministic and
+/// may have fewer terms than asked for.
 ///
 /// Cost: linear in the length (a selection, not a sort), plus sorting the kept indices.
 ///
@@ -167,35 +167,35 @@ impl SelectionScratch {
 }
 
 impl<'a, T: Real> Selection<'a, T> {
-    /// A rule that keeps this much.
+    /// A rule that keeps `keep` of the terms, otherwise with the defaults of [`Selection`].
     pub fn new(keep: Keep) -> Self {
         let (scaling, channels) = (ScalingTerms::default(), ChannelRule::default());
         Self { keep, weighting: Weighting::default(), scaling, channels, block: None }
     }
 
-    /// Ranks by this key.
+    /// The same rule with another weighting, the key by which terms are ranked.
     #[must_use]
     pub fn with_weighting(mut self, weighting: Weighting<'a, T>) -> Self {
         self.weighting = weighting;
         self
     }
 
-    /// Treats scaling functions so.
+    /// The same rule with another treatment of scaling functions.
     #[must_use]
     pub fn with_scaling_terms(mut self, scaling: ScalingTerms) -> Self {
         self.scaling = scaling;
         self
     }
 
-    /// Joins channels so.
+    /// The same rule with another way to join the channels of a coefficient.
     #[must_use]
     pub fn with_channels(mut self, channels: ChannelRule) -> Self {
         self.channels = channels;
         self
     }
 
-    /// The vector is a row of blocks of `len` coefficients, each a basis of its own (a cube map: six faces), which compete
-    /// with each other for the same terms.
+    /// The vector is a row of blocks of `len` coefficients, each a basis of its own (a cube map: six faces), which
+    /// compete with each other for the same terms.
     #[must_use]
     pub fn with_blocks_of(mut self, len: usize) -> Self {
         self.block = Some(len);
@@ -205,10 +205,10 @@ impl<'a, T: Real> Selection<'a, T> {
     /// The kept indices, ascending, of coefficients in one or more channels.
     ///
     /// # Errors
-    /// [`Error::Empty`] without channels; [`Error::Length`] if channels differ in length, the length is not a multiple of
-    /// the block, or a weighting's weights do not fit; [`Error::NotFinite`] where a coefficient or weight is NaN or
-    /// infinite; [`Error::OutOfRange`] for a fraction outside [0, 1], a negative weight, a length above `u32::MAX`, an empty block,
-    /// blocks that are no square images (4^k coefficients) under a weighting by area or integral, or
+    /// [`Error::Empty`] without channels; [`Error::Length`] if channels differ in length, the length is not a multiple
+    /// of the block, or a weighting's weights do not fit; [`Error::NotFinite`] where a coefficient or weight is NaN or
+    /// infinite; [`Error::OutOfRange`] for a fraction outside [0, 1], a negative weight, a length above `u32::MAX`, an
+    /// empty block, blocks that are no square images (4^k coefficients) under a weighting by area or integral, or
     /// [`ChannelRule::Luminance`] of other than three channels.
     pub fn indices<'w>(&self, channels: &[&[T]], work: &'w mut SelectionScratch) -> Result<&'w [u32]> {
         let len = self.check(channels)?;
@@ -387,8 +387,8 @@ fn scale_levels(keys: &mut [f64], block: usize, factor: f64) {
 /// Keys that are looked at together.
 const RUN: usize = 32;
 
-/// A key that at least `terms` of the keys reach, if so many are positive, and few more: the lower edge of a bin of keys that
-/// share their exponent and four bits of their mantissa.
+/// A key that at least `terms` of the keys reach, if so many are positive, and few more: the lower edge of a bin of
+/// keys that share their exponent and four bits of their mantissa.
 fn floor_key(keys: &[f64], terms: usize, bins: &mut Vec<u32>) -> f64 {
     const SHIFT: u32 = 48;
     if terms >= keys.len() {

@@ -37,7 +37,8 @@ impl<T: Real> SparseVector<T> {
         Ok(Self { len, indices, values })
     }
 
-    /// A vector of length `len` from (index, value) pairs in any order; values of one index are added, in the order given.
+    /// A vector of length `len` from (index, value) pairs in any order; values of one index are added, in the order
+    /// given.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless every index is below `len`.

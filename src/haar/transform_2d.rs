@@ -7,7 +7,7 @@ use super::transform_kernels as kernels;
 use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
-/// Which 2D basis.
+/// One of the two Haar bases of two dimensions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Decomposition {
     /// Square supports, three kinds of detail a level; flat index of [`Index2d`](crate::haar::Index2d). Square images.
@@ -20,8 +20,8 @@ pub enum Decomposition {
 /// Orthonormal 2D Haar transform of one size, planned once, applied many times.
 ///   c_i = ∫ f Ψ_i over [0, 1]²
 ///
-/// f is the function on the unit square whose value on pixel (x, y) is `samples[y·width + x]`. Coefficients do not depend
-/// on the resolution; coefficient 0 is the mean; Σ c² = mean of the squared samples.
+/// f is the function on the unit square whose value on pixel (x, y) is `samples[y·width + x]`. Coefficients do not
+/// depend on the resolution; coefficient 0 is the mean; Σ c² = mean of the squared samples.
 ///
 /// Shapes: samples row-major; coefficients in the order of [`Decomposition`].
 /// Accuracy: at most (2 log2 width + 3)·ε of max |x|, each coefficient (standard: log2 width + log2 height + 4).
@@ -52,8 +52,8 @@ impl<T: Real> Transform2d<T> {
     /// Plans transforms of `width` × `height` images.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless both sides are 1, 2, 4, …; [`Error::Length`] if the decomposition is nonstandard and
-    /// they differ; [`Error::OutOfRange`] if an image and its scratch cannot be addressed.
+    /// [`Error::NotPowerOfTwo`] unless both sides are 1, 2, 4, …; [`Error::Length`] if the decomposition is nonstandard
+    /// and they differ; [`Error::OutOfRange`] if an image and its scratch cannot be addressed.
     pub fn new(width: usize, height: usize, decomposition: Decomposition) -> Result<Self> {
         for (what, got) in [("image width", width), ("image height", height)] {
             if !got.is_power_of_two() {

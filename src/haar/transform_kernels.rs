@@ -1,5 +1,5 @@
-//! The level passes under every transform. Everything here is `#[inline(always)]`, so that it is compiled for the vector
-//! unit of the caller, which `pulp` picks once for a whole transform or batch.
+//! The level passes under every transform. Everything here is `#[inline(always)]`, so that it is compiled for the
+//! vector unit of the caller, which `pulp` picks once for a whole transform or batch.
 //!
 //! Derivation, 1D. With a, b the means of the two halves of a cell of level l, the inner product with
 //! 2^{l/2} ψ(2^l v − t) is 2^{l/2}·2^{−l}·(a − b)/2 = 2^{−l/2} (a − b)/2, and the cell's mean is (a + b)/2.
@@ -36,8 +36,9 @@ const WIDE: usize = 8;
 
 /// A row of N 2 × 2 blocks → their means and details.
 ///
-/// It works on arrays by value: everything is read before anything is written, so that the compiler need not know whether
-/// the slices of the caller overlap (through `pulp` it does not), and turns straight-line code into vectors and shuffles.
+/// It works on arrays by value: everything is read before anything is written, so that the compiler need not know
+/// whether the slices of the caller overlap (through `pulp` it does not), and turns straight-line code into vectors and
+/// shuffles.
 #[inline(always)]
 fn analyse<T: Real, const N: usize>(top: &[[T; 2]; N], bottom: &[[T; 2]; N], scale: T) -> [[T; N]; 4] {
     let quarter = T::of(0.25);

@@ -9,7 +9,8 @@ pub(crate) const NONE: u32 = u32::MAX;
 /// A sparse signal as the tree of its wavelets: 2 children a node in 1D, 4 in 2D (nonstandard).
 ///
 /// Stored are the nodes that have a non-zero detail and their ancestors, each with the deviations of its children's
-/// means from its own mean: in 1D ±2^{l/2} d, in 2D 2^l (±h ± v ± d). Child c of a 2D node is column c mod 2, row c / 2.
+/// means from its own mean: in 1D ±2^{l/2} d, in 2D 2^l (±h ± v ± d). Child c of a 2D node is column c mod 2, row
+/// c / 2.
 /// Memory: at most (number of terms × levels) nodes of 24 (1D, f32) or 32 bytes (2D, f32).
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaveletTree<T, const CHILDREN: usize> {

@@ -35,7 +35,9 @@ pub fn legendre_all<T: Real>(x: T, out: &mut [T]) {
 
 /// P_l(x) and P_l′(x) for as many degrees as the slices hold.
 ///
-///   P′_{l+1} = P′_{l−1} + (2l+1) P_l                                    [Abramowitz & Stegun 8.5.4 and 8.5.3]
+/// ```text
+/// P′_{l+1} = P′_{l−1} + (2l+1) P_l                                    [Abramowitz & Stegun 8.5.4 and 8.5.3]
+/// ```
 ///
 /// No division by 1 − x²: exact at the ends, where P_l′(1) = l(l+1)/2. Accuracy: that of [`legendre_all`] times l(l+1)/2.
 ///

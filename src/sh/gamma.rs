@@ -6,15 +6,17 @@
 //! 2. the largest of |m₁|, |m₂|, |m₃| is the sum of the other two,
 //! 3. an even number of the three orders is negative (sines).
 //!
-//! Some of what they allow vanishes all the same: *accidental* zeros, found here because the sum that decides is one of integers.
+//! Some of what they allow vanishes all the same: *accidental* zeros, found here because the sum that decides is one of
+//! integers.
 //!
-//! Derivation. Write y_{lm} = c_m(φ) Θ_l^{|m|}(θ), c_0 = 1, c_m = √2 cos mφ, c_{−m} = √2 sin mφ. With M the largest |m|, at
-//! place 3, and the other two m₁, m₂ ≥ 0, so that M = m₁ + m₂, Gaunt's integral of complex harmonics (its Condon–Shortley sign
-//! (−1)^M taken out) gives
+//! Derivation. Write y_{lm} = c_m(φ) Θ_l^{|m|}(θ), c_0 = 1, c_m = √2 cos mφ, c_{−m} = √2 sin mφ. With M the largest
+//! |m|, at place 3, and the other two m₁, m₂ ≥ 0, so that M = m₁ + m₂, Gaunt's integral of complex harmonics (its
+//! Condon–Shortley sign (−1)^M taken out) gives
 //!
 //!   Γ = A (−1)^M √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M),   A the mean of c_{m₁} c_{m₂} c_{m₃} over φ.
 //!
-//! Racah's sum for the second 3j symbol is, in binomials, with a = l₁+l₂−l₃, b = l₁−l₂+l₃, c = −l₁+l₂+l₃, J = l₁+l₂+l₃ = 2g,
+//! Racah's sum for the second 3j symbol is, in binomials, with a = l₁+l₂−l₃, b = l₁−l₂+l₃, c = −l₁+l₂+l₃, J =
+//! l₁+l₂+l₃ = 2g,
 //!
 //!   (−1)^{l₁−l₂+M} S √(Π(l+m)!(l−m)! / (a! b! c! (J+1)!)),   S = Σ_k (−1)^k C(a, k) C(b, l₁−m₁−k) C(c, l₂+m₂−k),
 //!
@@ -22,8 +24,8 @@
 //!
 //!   Γ = A (−1)^{l₁−l₂+g} S · g!/Π(g−l)! · Π√((2l+1)/C(2l, l+m)) · √(Π(2l)!)/(J+1)! / √4π.
 //!
-//! S and the multinomial are integers (|S| ≤ 2^J), exact in 128 bits up to J = 126; what is left is a product of positive
-//! numbers, without cancellation. Sources: [Sun 2008, §2.4]; the 3j symbols are Racah's.
+//! S and the multinomial are integers (|S| ≤ 2^J), exact in 128 bits up to J = 126; what is left is a product of
+//! positive numbers, without cancellation. Sources: [Sun 2008, §2.4]; the 3j symbols are Racah's.
 
 use std::sync::OnceLock;
 
@@ -144,7 +146,8 @@ fn azimuth(m: [isize; 3]) -> f64 {
     }
 }
 
-/// Every j below `bands`² with which the selection rules allow Γ_ijk, ascending, and its value (0 for an accidental zero).
+/// Every j below `bands`² with which the selection rules allow Γ_ijk, ascending, and its value (0 for an accidental
+/// zero).
 ///
 /// The effective degrees must have been checked with [`check_degrees`].
 pub(super) fn partners(i: usize, k: usize, bands: usize, mut emit: impl FnMut(usize, f64)) {
@@ -199,8 +202,8 @@ pub(super) fn check_degrees(bands: [usize; 3]) -> Result<[usize; 3]> {
 ///   Γ = √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M) × sign and mean over azimuth     [Gaunt; Racah]
 ///
 /// Zeros are exact, the accidental ones too; the same value in any order of the indices, and in the convention with the
-/// Condon–Shortley phase. Accuracy: 2e-15 relative (some fifteen roundings), tested so against 20-digit values
-/// below 8 bands and to 3e-14 absolute against quadrature up to degree 63. Cost: a sum of at most l₁+l₂−l₃+1 integer terms.
+/// Condon–Shortley phase. Accuracy: 2e-15 relative (some fifteen roundings), tested so against 20-digit values below 8
+/// bands and to 3e-14 absolute against quadrature up to degree 63. Cost: a sum of at most l₁+l₂−l₃+1 integer terms.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if the selection rules allow Γ and the three degrees add up to more than 126.
@@ -240,7 +243,8 @@ pub fn gamma(i: usize, j: usize, k: usize) -> Result<f64> {
 /// | non-zero, ordered (i, j, k) | 1 | 10 | 83 | 353 | 1158 | 2907 | 6460 | 12868 |
 /// | allowed by the selection rules, ordered | 1 | 10 | 83 | 359 | 1164 | 2961 | 6586 | 13018 |
 ///
-/// The last row is what [Sun 2008, §2.4] tabulates (with 369 misprinted for 359): some triples that the rules allow vanish.
+/// The last row is what [Sun 2008, §2.4] tabulates (with 369 misprinted for 359): some triples that the rules allow
+/// vanish.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TripleTensor {
     bands: usize,

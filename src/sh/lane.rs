@@ -1,6 +1,7 @@
-//! Numbers as the kernels see them: a register of several vectors' lanes, or the widest that the machine has none of.
+//! What the straight-line kernels compute with: registers of `f32` or `f64`, as wide as the machine has them.
 //!
-//! Plain IEEE operations, never fused, so that every machine gives the same bits.
+//! Each lane of a register holds a number of a vector of its own. Operations are those of IEEE 754 and never fused, so
+//! that every machine gives the same bits.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -8,7 +9,7 @@ use pulp::Simd;
 
 use crate::Real;
 
-/// What the straight-line text computes with.
+/// Anything that the text of a kernel can add, subtract and multiply.
 pub(super) trait Lane: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
 
 /// A register of `f32`.
@@ -35,10 +36,10 @@ macro_rules! operators {
 operators!(Reg32, Add::add = add_f32s, Sub::sub = sub_f32s, Mul::mul = mul_f32s);
 operators!(Reg64, Add::add = add_f64s, Sub::sub = sub_f64s, Mul::mul = mul_f64s);
 
-/// A scalar and its registers.
+/// `f32` or `f64`, and the registers that hold several of it.
 pub(super) trait Element: Real {
     type Reg<S: Simd>: Lane;
-    /// Numbers in a register.
+    /// How many numbers a register holds.
     fn lanes<S: Simd>() -> usize;
     fn splat<S: Simd>(simd: S, value: Self) -> Self::Reg<S>;
     /// As many numbers as there are lanes, or fewer: the lanes beyond are 0.

@@ -1,9 +1,9 @@
 //! Spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, zonal functions, lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
-//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
-//! holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max + 1.)
-//! Other signs, scales and layouts: [`Convention`] and [`to_complex`].
+//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands`
+//! n holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max +
+//! 1.) Other signs, scales and layouts: [`Convention`] and [`to_complex`].
 //!
 //! | you have | you want | use |
 //! |---|---|---|
@@ -36,8 +36,8 @@
 //!
 //! Directions are unit vectors in Cartesian coordinates: no angles, so the poles are points like any other.
 //!
-//! Sources: the recurrence in l at fixed m of normalised Legendre functions (Holmes & Featherstone 2002, eq. 11); azimuth by
-//! (x + iy)^m. Limits: `bands` ≤ 128 in `f32`, 1024 in `f64` ([`Basis::max_bands`] says why).
+//! Sources: the recurrence in l at fixed m of normalised Legendre functions (Holmes & Featherstone 2002, eq. 11);
+//! azimuth by (x + iy)^m. Limits: `bands` ≤ 128 in `f32`, 1024 in `f64` ([`Basis::max_bands`] says why).
 
 mod basis;
 mod convention;

@@ -49,8 +49,8 @@ impl Face {
 
     /// The face that a direction hits and the point (u, v) ∈ [−1, 1]² where it does.
     ///
-    /// `direction` need not be unit. Ties of the largest component go to x, then y. The zero vector gives (+Z, 0, 0). A component that
-    /// is NaN gives u and v that are NaN on some face, and so do infinite ones, which have no direction.
+    /// `direction` need not be unit. Ties of the largest component go to x, then y. The zero vector gives (+Z, 0, 0). A
+    /// component that is NaN gives u and v that are NaN on some face, and so do infinite ones, which have no direction.
     #[inline]
     pub fn locate(direction: &Vector3<f64>) -> (Self, f64, f64) {
         let d = direction;
@@ -152,8 +152,8 @@ impl CubeGrid {
         (0..self.len()).map(|i| self.direction(i)).collect()
     }
 
-    /// The flat index of the texel that a direction falls into (ties as in [`Face::locate`]); of some texel if a component is NaN or
-    /// infinite.
+    /// The flat index of the texel that a direction falls into (ties as in [`Face::locate`]); of some texel if a
+    /// component is NaN or infinite.
     #[inline]
     pub fn nearest(self, direction: &Vector3<f64>) -> usize {
         let (face, u, v) = Face::locate(direction);
@@ -170,8 +170,8 @@ impl CubeGrid {
     /// The texel that touches texel (x, y) of `face` on the side of (x + step.0, y + step.1), across the face's edge if
     /// need be. One of the two steps is 0, the other ±1.
     ///
-    /// Beyond an edge: the centre of the step's target, continued in the plane of `face`, lies at 1 + 1/n. Seen from the
-    /// adjacent face it has both coordinates scaled by n/(n + 1), which keeps it in its row: it moves by less than
+    /// Beyond an edge: the centre of the step's target, continued in the plane of `face`, lies at 1 + 1/n. Seen from
+    /// the adjacent face it has both coordinates scaled by n/(n + 1), which keeps it in its row: it moves by less than
     /// 1/(n + 1), half a texel is 1/n.
     pub(super) fn neighbour(self, face: Face, x: usize, y: usize, step: (isize, isize)) -> usize {
         let centre = |i: usize, step: isize| (2 * (i as isize + step) + 1) as f64 / self.side as f64 - 1.0;

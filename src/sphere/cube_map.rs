@@ -56,7 +56,7 @@ impl<P: Texel> CubeMap<P> {
         &self.texels[face as usize * n..][..n]
     }
 
-    /// The texels, without the map.
+    /// Takes the texels out of the map.
     pub fn into_texels(self) -> Vec<P> {
         self.texels
     }
@@ -90,10 +90,10 @@ impl<P: Texel> CubeMap<P> {
 
     /// Bilinear between texel centres, across the edges and corners of the cube; continuous on the whole sphere.
     ///
-    /// Beyond an edge lies the row of texels of the adjacent face: on the edge itself both faces see the same two texels
-    /// with the same weights, because their coordinates along the edge agree. At a corner there is no fourth texel; the
-    /// mean of the three stands in for it, and all three faces agree on (a + b + c)/3. A direction with a component that
-    /// is NaN or infinite gives NaN.
+    /// Beyond an edge lies the row of texels of the adjacent face: on the edge itself both faces see the same two
+    /// texels with the same weights, because their coordinates along the edge agree. At a corner there is no fourth
+    /// texel; the mean of the three stands in for it, and all three faces agree on (a + b + c)/3. A direction with a
+    /// component that is NaN or infinite gives NaN.
     pub fn bilinear(&self, direction: &Vector3<f64>) -> P::Wide {
         let (face, u, v) = Face::locate(direction);
         let side = self.grid.side();
@@ -112,7 +112,8 @@ impl<P: Texel> CubeMap<P> {
         (a * (1.0 - right) + b * right) * (1.0 - down) + (c * (1.0 - right) + d * right) * down
     }
 
-    /// The texels (x − 1, y − 1), (x, y − 1), (x − 1, y), (x, y) of a face, 0 ≤ x, y ≤ side, where some lie beyond an edge.
+    /// The texels (x − 1, y − 1), (x, y − 1), (x − 1, y), (x, y) of a face, 0 ≤ x, y ≤ side, where some lie beyond an
+    /// edge.
     fn square_over_edge(&self, face: Face, x: usize, y: usize) -> [P::Wide; 4] {
         let last = self.grid.side() as isize - 1;
         let corners = [(-1, -1), (0, -1), (-1, 0), (0, 0)];

@@ -10,8 +10,8 @@ use crate::{Error, Result};
 /// A quadrature rule on the unit sphere that is exact for polynomials in (x, y, z) up to a stated degree.
 ///
 /// Gauss–Legendre in z (⌊degree/2⌋ + 1 rings) times the trapezoid rule in azimuth (degree + 1 points a ring). A
-/// spherical polynomial of degree d is Σ_m e^{imφ} (…): the trapezoid rule annihilates 0 < |m| ≤ d, and what is left is a
-/// polynomial of degree ≤ d in z. A product of two SH expansions of `bands` n needs degree 2(n − 1).
+/// spherical polynomial of degree d is Σ_m e^{imφ} (…): the trapezoid rule annihilates 0 < |m| ≤ d, and what is left is
+/// a polynomial of degree ≤ d in z. A product of two SH expansions of `bands` n needs degree 2(n − 1).
 ///
 /// Accuracy: 1e-13 absolute for every monomial, tested up to degree 33. Cost: about degree²/2 points.
 #[derive(Debug, Clone, PartialEq)]
@@ -80,7 +80,8 @@ impl SphereQuadrature {
 ///
 ///   z_i = 1 − (2i + 1)/n,  φ_i = 2π i/Φ,  Φ the golden ratio
 ///
-/// Each stands for 4π/n steradians. The set has no symmetry, so it also probes off every axis and pole. Memory: 24 bytes each.
+/// Each stands for 4π/n steradians. The set has no symmetry, so it also probes off every axis and pole. Memory: 24
+/// bytes each.
 pub fn fibonacci_directions(n: usize) -> Vec<UnitVector3<f64>> {
     let golden = 0.5 * (1.0 + 5f64.sqrt());
     (0..n)

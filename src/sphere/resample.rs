@@ -21,8 +21,8 @@ use crate::parallel;
 pub enum Resampling {
     /// The mean over each destination texel of the piecewise-constant source, from exact overlaps in closed form.
     ///
-    /// Every source pixel's energy is handed out completely. Accuracy: energy 1e-12 relative (1e-14 but for turns near 1e-5 rad) before rounding to the
-    /// texel type.
+    /// Every source pixel's energy is handed out completely. Accuracy: energy 1e-12 relative (1e-14 but for turns near
+    /// 1e-5 rad) before rounding to the texel type.
     Area,
     /// Where the destination's texels are smaller than the source's: the mean of 2 × 2 bilinear look-ups a texel, then
     /// one factor a channel (and sign) for the whole map, which restores the energy. It is [`Area`](Self::Area)

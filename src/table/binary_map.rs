@@ -9,7 +9,8 @@ pub enum BinaryMap<'a> {
     Bools(&'a [bool]),
     /// One byte a pixel, row-major: 1 unless it is 0.
     Bytes(&'a [u8]),
-    /// One bit a pixel, row-major: pixel i is bit i mod 64 of word i / 64. Each map starts a word; spare bits are ignored.
+    /// One bit a pixel, row-major: pixel i is bit i mod 64 of word i / 64. Each map starts a word; spare bits are
+    /// ignored.
     Bits(&'a [u64]),
 }
 
@@ -90,7 +91,8 @@ impl<'a> BinaryMap<'a> {
     }
 }
 
-/// In steps of a fixed length: the vector loop that LLVM makes of a length it does not know is longer than a row of a small map.
+/// In steps of a fixed length: the vector loop that LLVM makes of a length it does not know is longer than a row of a
+/// small map.
 #[inline(always)]
 fn widen<P: Copy>(map: &[P], row: &mut [u16], is_one: impl Fn(P) -> bool) {
     let ((map, map_rest), (row, row_rest)) = (map.as_chunks::<16>(), row.as_chunks_mut::<16>());

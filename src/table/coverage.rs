@@ -1,18 +1,20 @@
 //! The share of a square that is visible, from the distance of its centre to the boundary.
 //!
-//! [Xu 2006 eq. 9] is min(1, max(0, F)) with F = (√2 r + D)/(√2 r): it gives a square whose centre is on the boundary 1 where it
-//! must be ½. With e the edge of the square in the plane, F = ½ + D/e is right for a straight boundary along an axis.
+//! [Xu 2006 eq. 9] is min(1, max(0, F)) with F = (√2 r + D)/(√2 r): it gives a square whose centre is on the boundary 1
+//! where it must be ½. With e the edge of the square in the plane, F = ½ + D/e is right for a straight boundary along
+//! an axis.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_1_SQRT_2, SQRT_2};
 
 /// Ways to the visible share of a square, best first where boundaries are straight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Coverage {
-    /// The boundary taken as a straight line across the gradient of the table: [`half_plane_coverage`]. Exact for straight boundaries, up to
-    /// the map's pixels.
+    /// The boundary taken as a straight line across the gradient of the table: [`half_plane_coverage`]. Exact for
+    /// straight boundaries, up to the map's pixels.
     #[default]
     Gradient,
-    /// The mean over all directions of a straight boundary: [`mean_coverage`]. The best that the distance alone can say.
+    /// The mean over all directions of a straight boundary: [`mean_coverage`]. The best that the distance alone can
+    /// say.
     Mean,
     /// A polynomial near that mean: [`smoothstep_coverage`]. The cheapest smooth one.
     Smoothstep,
@@ -47,8 +49,8 @@ pub fn linear_coverage(distance: f64, edge: f64) -> f64 {
 /// With a ≥ b ≥ 0 the absolute components of its unit normal and t = 2|D|/e,
 ///   1 − C = ½ − t/(2a) for t ≤ a − b,  (a + b − t)²/(8ab) up to a + b,  then 0;   C(−D) = 1 − C(D).
 ///
-/// `normal` points to the visible side; its length and sign do not matter, and 0 gives [`mean_coverage`]. Infinite components outweigh
-/// finite ones and each other not at all. A distance and an edge that are both infinite give NaN.
+/// `normal` points to the visible side; its length and sign do not matter, and 0 gives [`mean_coverage`]. Infinite
+/// components outweigh finite ones and each other not at all. A distance and an edge that are both infinite give NaN.
 /// e ≤ 0 gives 0, ½ or 1 by the sign of D; NaN gives NaN. Accuracy: some ε.
 #[inline]
 pub fn half_plane_coverage(distance: f64, edge: f64, normal: [f64; 2]) -> f64 {
@@ -86,8 +88,8 @@ fn in_range([x, y]: [f64; 2]) -> [f64; 2] {
 
 /// [`half_plane_coverage`] averaged over the direction of the normal.
 ///
-/// With t = 2|D|/e ≤ √2 and m = √(2 − t²), by integrating acos(t/ρ)/π, the share of directions in which a point at distance ρ is
-/// beyond the line, over the square:
+/// With t = 2|D|/e ≤ √2 and m = √(2 − t²), by integrating acos(t/ρ)/π, the share of directions in which a point at
+/// distance ρ is beyond the line, over the square:
 ///   1 − C = (acos(t/√2) − 2t ln(1 + m) + (1 + t²) ln((t + m)/√2) − ½(1 − t)² ln|1 − t²|)/π
 ///
 /// e ≤ 0 gives 0, ½ or 1 by the sign of D; NaN gives NaN. Accuracy: some ε.

@@ -45,8 +45,8 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// D at a point, bilinear between the centres of pixels.
     ///
-    /// Beyond the outermost centres it is held ([`Frame::Open`]), or falls by the distance to them ([`Frame::Zero`]): there is
-    /// nothing to see outside. NaN gives NaN.
+    /// Beyond the outermost centres it is held ([`Frame::Open`]), or falls by the distance to them ([`Frame::Zero`]):
+    /// there is nothing to see outside. NaN gives NaN.
     #[inline]
     pub fn at(&self, point: [f64; 2]) -> f64 {
         self.find(point).distance
@@ -54,7 +54,8 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// The gradient of [`at`](Self::at); its direction is that from the nearest boundary into what is visible.
     ///
-    /// Beyond the outermost centres of an open map, where [`at`](Self::at) is held, that of the nearest place inside. NaN gives NaN.
+    /// Beyond the outermost centres of an open map, where [`at`](Self::at) is held, that of the nearest place inside.
+    /// NaN gives NaN.
     #[inline]
     pub fn gradient(&self, point: [f64; 2]) -> [f64; 2] {
         self.find(point).gradient
@@ -155,8 +156,8 @@ impl VisibilityDistance {
     /// The table of a map of size [width, height].
     ///
     /// # Errors
-    /// Those of [`VisibilityDistancePlan::new`]; [`Error::Empty`] if the map has no pixels; [`Error::Length`] if its length is not that of
-    /// its size (see [`BinaryMap`]).
+    /// Those of [`VisibilityDistancePlan::new`]; [`Error::Empty`] if the map has no pixels; [`Error::Length`] if its
+    /// length is not that of its size (see [`BinaryMap`]).
     pub fn new<'m>(size: [usize; 2], map: impl Into<BinaryMap<'m>>, frame: Frame) -> Result<Self> {
         let plan = VisibilityDistancePlan::new(size[0], size[1], frame)?;
         let map = map.into();

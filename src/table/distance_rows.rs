@@ -1,16 +1,17 @@
-//! The passes under the distance tables, in integers. Everything hot is `#[inline(always)]`, so that it is compiled for the vector
-//! unit of the caller.
+//! The passes under the distance tables, in integers. Everything hot is `#[inline(always)]`, so that it is compiled for
+//! the vector unit of the caller.
 //!
-//! Derivation. A pixel is 2 wide, so that centres and edges are integers, and d the distance from a centre to the nearest boundary
-//! between unlike pixels. The nearest point of the boundary within column x′ is V(x′) above or below this row, odd, from the runs
-//! of equal pixels of that column; it is g(k) = max(0, 2|k| − 1) away along the row, k = x − x′, if the strip of the column is
-//! meant with its two sides. With the vertical pieces of boundary in this row itself,
+//! Derivation. A pixel is 2 wide, so that centres and edges are integers, and d the distance from a centre to the
+//! nearest boundary between unlike pixels. The nearest point of the boundary within column x′ is V(x′) above or below
+//! this row, odd, from the runs of equal pixels of that column; it is g(k) = max(0, 2|k| − 1) away along the row, k =
+//! x − x′, if the strip of the column is meant with its two sides. With the vertical pieces of boundary in this row
+//! itself,
 //!   d² = min(min_x′ g(x − x′)² + V(x′)², min_e (2|x − e|)²),   e the places of those pieces.
 //! It does not matter on which side of the boundary x′ lies: each candidate is a point of the boundary.
 //!
-//! Two ways to the minimum. Near candidates: for k = 1, 2, … the row shifted by k, in vectors, until nothing can be nearer. Far ones:
-//! a column's strip is left through its nearer side, so min over k ≠ 0 is the lower envelope of the parabolas (2(p − x′))² + V²
-//! at the two edges p = x ± ½ of the pixel, found in linear time as in [Meijster 2000].
+//! Two ways to the minimum. Near candidates: for k = 1, 2, … the row shifted by k, in vectors, until nothing can be
+//! nearer. Far ones: a column's strip is left through its nearer side, so min over k ≠ 0 is the lower envelope of the
+//! parabolas (2(p − x′))² + V² at the two edges p = x ± ½ of the pixel, found in linear time as in [Meijster 2000].
 
 use super::binary_map::BinaryMap;
 
@@ -33,8 +34,8 @@ impl FromSquare for i32 {
     }
 }
 
-/// The distance in pixels, rounded once: the root of an integer below 2²⁴ is, and so is one taken in `f64` and narrowed, because 53 bits
-/// are more than 2·24 + 2.
+/// The distance in pixels, rounded once: the root of an integer below 2²⁴ is, and so is one taken in `f64` and
+/// narrowed, because 53 bits are more than 2·24 + 2.
 impl FromSquare for f32 {
     #[inline(always)]
     fn of(square: i32) -> Self {
@@ -127,7 +128,8 @@ impl Buffers {
         }
     }
 
-    /// Row after row from the last to the first: distances to the boundary below, then everything else. `out` is the whole table.
+    /// Row after row from the last to the first: distances to the boundary below, then everything else. `out` is the
+    /// whole table.
     #[inline(always)]
     pub(super) fn upwards<O: FromSquare>(
         &mut self,
@@ -242,7 +244,8 @@ fn nearer(above: &mut [u16], below: &[u16]) {
     }
 }
 
-/// A row of the table: squares, no larger than `bound`, negative where the pixel is 0. Squares and pixels are padded to whole steps.
+/// A row of the table: squares, no larger than `bound`, negative where the pixel is 0. Squares and pixels are padded to
+/// whole steps.
 #[inline(always)]
 fn write<O: FromSquare>(squares: &[i32], pixels: &[u16], bound: i32, out: &mut [O]) {
     let (squares, pixels) = (squares.as_chunks::<STEP>().0, pixels.as_chunks::<STEP>().0);

@@ -19,7 +19,8 @@ impl Place {
         let held = bound.clamp(0.0, size as f64);
         let low = held as usize;
         let within = held - low as f64;
-        // On a corner the next one is not looked at: it may hold what comes of a NaN.
+        // A bound on a grid line needs the entry of that line alone. The next entry has weight 0, but it may be NaN,
+        // and 0 · NaN is NaN: `high` is `low` there, so that it is not read.
         Self { low, high: low + usize::from(within > 0.0), within }
     }
 }
@@ -44,11 +45,12 @@ impl Axis {
     }
 }
 
-/// A summed-area table to look integrals up in: a borrowed [`SummedArea`], or one of many tables in the caller's memory.
+/// A summed-area table to look integrals up in: a borrowed [`SummedArea`], or one of many tables in the caller's
+/// memory.
 ///
-/// The table is bilinear within pixels, as the integral of a function constant on each pixel is: look-ups are exact for any rectangle.
-/// They widen entries to `f64` before they subtract, and return `f64`.
-/// A bound that is NaN gives NaN; infinite bounds reach to the image's end ([`Outside::Wrap`]: NaN).
+/// The table is bilinear within pixels, as the integral of a function constant on each pixel is: look-ups are exact for
+/// any rectangle. They widen entries to `f64` before they subtract, and return `f64`. A bound that is NaN gives NaN;
+/// infinite bounds reach to the image's end ([`Outside::Wrap`]: NaN).
 #[derive(Debug, Clone, Copy)]
 pub struct SummedAreaRef<'a, T> {
     width: usize,
@@ -86,7 +88,8 @@ impl<'a, T: Real> SummedAreaRef<'a, T> {
         self.entries
     }
 
-    /// ∫ f over a rectangle, nothing outside the image; negative where the rectangle is inverted along one axis, 0 where it is empty.
+    /// ∫ f over a rectangle, nothing outside the image; negative where the rectangle is inverted along one axis, 0
+    /// where it is empty.
     ///   (S(b, r) − S(b, l)) − (S(t, r) − S(t, l))                    [Xu 2006 eq. 2]
     ///
     /// Accuracy: some ε of the largest entry it meets, absolute.
@@ -160,7 +163,8 @@ impl<'a, T: Real> SummedAreaRef<'a, T> {
 
 /// A summed-area table of its own: any integral over a rectangle by looking at its corners.
 ///
-/// A convenience that allocates, see [`SummedAreaPlan`]; `SummedArea<f64>` is the one to take unless memory says otherwise.
+/// A convenience that allocates, see [`SummedAreaPlan`]; `SummedArea<f64>` is the one to take unless memory says
+/// otherwise.
 ///
 /// # Example
 /// ```

@@ -1,29 +1,31 @@
-//! The passes under every summed-area table. Everything here is `#[inline(always)]`, so that it is compiled for the vector unit
-//! of the caller, which `pulp` picks once for a whole table or batch.
+//! The passes under every summed-area table. Everything here is `#[inline(always)]`, so that it is compiled for the
+//! vector unit of the caller, which `pulp` picks once for a whole table or batch.
 //!
-//! Row r + 1 of the exclusive table is row r and the prefix sums of the samples of row r. Rows add up in two parts, of this band so far
-//! and of the bands above: bands can then be summed apart, on any thread, and give the same bits.
+//! Row r + 1 of the exclusive table is row r and the prefix sums of the samples of row r. Rows add up in two parts, of
+//! this band so far and of the bands above: bands can then be summed apart, on any thread, and give the same bits.
 //!
-//! Rows are taken R at a time and L columns to a step. Neither changes an operation on a number, so neither changes a bit: two rows
-//! read and write what is above them once, and keep two chains of additions busy.
+//! Rows are taken R at a time and L columns to a step. Neither changes an operation on a number, so neither changes a
+//! bit: two rows read and write what is above them once, and keep two chains of additions busy.
 
 use crate::Real;
 
-/// Samples that are added up apart: a prefix sum is that of this many samples and the one as many places before. L is a multiple of it.
+/// Samples that are added up apart: a prefix sum is that of this many samples and the one as many places before. L is a
+/// multiple of it.
 const WINDOW: usize = 8;
 
 /// Rows of a band.
 pub(super) const BAND: usize = 64;
 
-/// Whether tables of `T` from samples of `S` are summed by two rows and sixteen columns: those of `f32`. Sums in `f64` would fill
-/// the registers with that, and spill.
+/// Whether tables of `T` from samples of `S` are summed by two rows and sixteen columns: those of `f32`. Sums in `f64`
+/// would fill the registers with that, and spill.
 #[inline(always)]
 pub(super) const fn by_two<S, T>() -> bool {
     size_of::<S>() == 4 && size_of::<T>() == 4
 }
 
-/// The rows of a table below a band of samples. `table` has one row of width + 1 entries for each row of samples; `above` is the table's
-/// row above them without its first entry, and `sums` zero: it leaves as what the band adds to it.
+/// The rows of a table below a band of samples. `table` has one row of width + 1 entries for each row of samples;
+/// `above` is the table's row above them without its first entry, and `sums` zero: it leaves as what the band adds to
+/// it.
 #[inline(always)]
 pub(super) fn band<S: Real, T: Real>(samples: &[S], above: &[T], sums: &mut [T], table: &mut [T]) {
     let (width, pitch) = (above.len(), above.len() + 1);
@@ -38,7 +40,8 @@ pub(super) fn band<S: Real, T: Real>(samples: &[S], above: &[T], sums: &mut [T],
     }
 }
 
-/// R rows, whole steps first. Ends of rows are whole steps as well, or LLVM would not keep what passes to them in vectors.
+/// R rows, whole steps first. Ends of rows are whole steps as well, or LLVM would not keep what passes to them in
+/// vectors.
 #[inline(always)]
 fn rows<S: Real, T: Real, const R: usize, const L: usize>(samples: &[S], above: &[T], sums: &mut [T], table: &mut [T]) {
     let (width, steps, zeros) = (above.len(), above.len() / L, [T::zero(); L]);
@@ -116,8 +119,8 @@ fn convert<S: Real, T: Real, const L: usize>(samples: &[S; L]) -> [T; L] {
     out
 }
 
-/// Prefix sums of a row, a step at a time: the sum of the WINDOW samples up to each, and of everything WINDOW places before. Samples
-/// come a second time from memory, one place off; sums of two and four are shifted in registers.
+/// Prefix sums of a row, a step at a time: the sum of the WINDOW samples up to each, and of everything WINDOW places
+/// before. Samples come a second time from memory, one place off; sums of two and four are shifted in registers.
 struct Prefix<T, const L: usize> {
     pairs: [T; L],
     fours: [T; L],

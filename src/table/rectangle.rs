@@ -4,8 +4,8 @@ use crate::{Error, Result};
 
 /// An axis-aligned rectangle in pixel units: pixel (x, y) is [x, x + 1] × [y, y + 1].
 ///
-/// Bounds may be fractional, outside the image, or the wrong way round: integrals over it are oriented, as ∫ₐᵇ = −∫ᵇₐ, so that
-/// neighbouring rectangles add up whatever their order.
+/// Bounds may be fractional, outside the image, or the wrong way round: integrals over it are oriented, as ∫ₐᵇ = −∫ᵇₐ,
+/// so that neighbouring rectangles add up whatever their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rectangle {
     /// The x it starts at.
@@ -36,7 +36,7 @@ impl Rectangle {
 /// What a look-up finds beyond the image, along one axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Outside {
-    /// Nothing: zeros.
+    /// Nothing: f is 0 there.
     #[default]
     Zero,
     /// The image again: it repeats for ever, as longitude does.
@@ -47,9 +47,9 @@ pub enum Outside {
 /// ([`HemisphereDisk`](crate::sphere::HemisphereDisk)).
 ///
 /// Pixel (x, y) has its centre at ((2x + 1)/side − 1, (2y + 1)/side − 1). It belongs to the disk if that point does.
-/// The ring 1 < ρ < √2 is the hemisphere below the horizon, where visibility and reflectance are 0: a map that is zero outside
-/// the disk gives a square light across the horizon what is above it, if integrals are divided by the square's whole area
-/// [Xu 2006 §5, which leaves it open].
+/// The ring 1 < ρ < √2 is the hemisphere below the horizon, where visibility and reflectance are 0: a map that is zero
+/// outside the disk gives a square light across the horizon what is above it, if integrals are divided by the square's
+/// whole area [Xu 2006 §5, which leaves it open].
 ///
 /// # Example
 /// ```

@@ -4,11 +4,12 @@ use super::Rectangle;
 use super::lookup::Place;
 use crate::{Error, Real, Result};
 
-/// A stack of summed-area tables that share one layout, the same entry of all layers side by side: a look-up in several layers costs
-/// little more than one.
+/// A stack of summed-area tables that share one layout, the same entry of all layers side by side: a look-up in several
+/// layers costs little more than one.
 ///
-/// Layers are what a texture's third axis is to Xu's BRDF tables: the polar angles of an isotropic material, or the view
-/// directions (a grid of them) of an anisotropic one; [`mix`](Self::mix) interpolates between them. [Xu 2006 §4.2, 5.1]
+/// Layers are what a texture's third axis is to Xu's BRDF tables: the polar angles of an isotropic material, or the
+/// view directions (a grid of them) of an anisotropic one; [`mix`](Self::mix) interpolates between them. [Xu 2006 §4.2,
+/// 5.1]
 ///
 /// Shapes: sample (x, y) of layer l at (l·height + y)·width + x; entries (r·(width + 1) + c)·layers + l.
 /// Accuracy: sums run in `f64` and are rounded once, to T.
@@ -34,7 +35,8 @@ impl<T: Real> SummedAreaStack<T> {
     /// The tables of `layers` images of size [width, height], one after another.
     ///
     /// # Errors
-    /// [`Error::Length`] unless there are layers·width·height samples; [`Error::OutOfRange`] if the tables cannot be addressed.
+    /// [`Error::Length`] unless there are layers·width·height samples; [`Error::OutOfRange`] if the tables cannot be
+    /// addressed.
     pub fn new<S: Real>(size: [usize; 2], layers: usize, samples: &[S]) -> Result<Self> {
         let [width, height] = size;
         // One layer must be addressable even where there is none.
@@ -127,7 +129,8 @@ impl<T: Real> SummedAreaStack<T> {
         sum
     }
 
-    /// The entries that a rectangle's integral is made of, and their weights: the four bilinear corners of each of its four.
+    /// The entries that a rectangle's integral is made of, and their weights: the four bilinear corners of each of its
+    /// four.
     #[inline(always)]
     fn corners(&self, rectangle: Rectangle) -> [(usize, f64); 16] {
         let Rectangle { left, top, right, bottom } = rectangle;

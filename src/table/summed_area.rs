@@ -10,13 +10,14 @@ use crate::{Error, Real, Result, parallel};
 /// How to build summed-area tables of one image size into the caller's memory, one or many.
 ///   S(r, c) = Σ_{y < r, x < c} f(x, y)            [Xu 2006 eq. 2, with the exclusive table that its indices need]
 ///
-/// Shapes: samples row-major, width·height of them; a table has (height + 1) rows of width + 1 entries, row 0 and column 0 zero.
-/// The source and the table each are `f32` or `f64`; sums run in the table's type.
-/// Accuracy: an entry is within ((width/8 + height/64 + 64 + 8)·ε) of Σ|f|, ε of the table's type. An `f32` table loses that much even
-/// where its entries are right to the last bit, because a small sum is a difference of large ones: `f64` for anything
-/// larger than a few hundred pixels a side.
-/// Cost: reads each sample once, writes each entry once. The same bits on every machine, alone, in a batch or on many threads.
-/// NaN and infinities reach exactly the entries right of and below their pixel; rectangles that end before it stay right.
+/// Shapes: samples row-major, width·height of them; a table has (height + 1) rows of width + 1 entries, row 0 and
+/// column 0 zero. The source and the table each are `f32` or `f64`; sums run in the table's type.
+/// Accuracy: an entry is within ((width/8 + height/64 + 64 + 8)·ε) of Σ|f|, ε of the table's type. An `f32` table loses
+/// that much even where its entries are right to the last bit, because a small sum is a difference of large ones: `f64`
+/// for anything larger than a few hundred pixels a side.
+/// Cost: reads each sample once, writes each entry once. The same bits on every machine, alone, in a batch or on many
+/// threads. NaN and infinities reach exactly the entries right of and below their pixel; rectangles that end before it
+/// stay right.
 ///
 /// # Example
 /// ```
@@ -80,11 +81,11 @@ impl SummedAreaPlan {
         2 * self.width
     }
 
-    /// The table of an image.
+    /// Fills `table` with the summed-area table of an image.
     ///
     /// # Panics
-    /// If `samples.len()` is not [`samples_len`](Self::samples_len), `table.len()` not [`table_len`](Self::table_len), or
-    /// `scratch` shorter than [`scratch_len`](Self::scratch_len).
+    /// If `samples.len()` is not [`samples_len`](Self::samples_len), `table.len()` not [`table_len`](Self::table_len),
+    /// or `scratch` shorter than [`scratch_len`](Self::scratch_len).
     #[track_caller]
     pub fn build<S: Real, T: Real>(&self, samples: &[S], table: &mut [T], scratch: &mut [T]) {
         check_length("samples", self.samples_len(), samples.len());
@@ -94,8 +95,8 @@ impl SummedAreaPlan {
     /// The tables of images that lie one after another: as many as `table` holds.
     ///
     /// # Panics
-    /// If `table.len()` is not a multiple of [`table_len`](Self::table_len), `samples.len()` not that number of images, or `scratch`
-    /// shorter than [`scratch_len`](Self::scratch_len).
+    /// If `table.len()` is not a multiple of [`table_len`](Self::table_len), `samples.len()` not that number of images,
+    /// or `scratch` shorter than [`scratch_len`](Self::scratch_len).
     #[track_caller]
     pub fn build_batch<S: Real, T: Real>(&self, samples: &[S], table: &mut [T], scratch: &mut [T]) {
         self.check(samples.len(), table.len());
@@ -107,8 +108,8 @@ impl SummedAreaPlan {
         self.arch::<S, T>().dispatch(Tables { height: self.height, samples, tables: table, columns });
     }
 
-    /// [`build_batch`](Self::build_batch) on all threads (feature `rayon`; on one without it), with scratch of its own. The same
-    /// bits.
+    /// [`build_batch`](Self::build_batch) on all threads (feature `rayon`; on one without it), with scratch of its own.
+    /// The same bits.
     ///
     /// # Panics
     /// As [`build_batch`](Self::build_batch), but for the scratch.
@@ -127,7 +128,8 @@ impl SummedAreaPlan {
 
     /// [`build`](Self::build) of one image on all threads (feature `rayon`; on one without it). The same bits.
     ///
-    /// It sums everything twice, and allocates a row for each 64 of the image: for images of a million samples on more than two threads.
+    /// It sums everything twice, and allocates a row for each 64 of the image: for images of a million samples on more
+    /// than two threads.
     ///
     /// # Panics
     /// As [`build`](Self::build), but for the scratch.

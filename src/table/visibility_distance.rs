@@ -11,10 +11,11 @@ use crate::{Error, Result, parallel};
 /// Whether the frame of a map is a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Frame {
-    /// It is not: nothing is known outside.
+    /// It is no boundary: nothing is known of what is outside.
     #[default]
     Open,
-    /// Pixels outside are 0: the frame is a boundary of every 1 that touches it. Changes the distances of 1-pixels only.
+    /// Pixels outside are 0: the frame is a boundary of every 1 that touches it. Changes the distances of 1-pixels
+    /// only.
     Zero,
 }
 
@@ -27,9 +28,10 @@ pub struct VisibilityDistanceScratch {
 /// How to build visibility distance tables of one map size: exact signed Euclidean distances, one map or many.
 ///   D = ±d, + where the map is 1; d from the centre of a pixel to the nearest boundary between a 0 and a 1  [Xu 2006 §4.3]
 ///
-/// The boundary runs along the sides of pixels, so that d is the distance to the closed unit square of the nearest unlike pixel: next to
-/// a straight edge ½, 1½, … (distances between centres would be 1, 2, …, and off by a half on both sides).
-/// A map without boundary has D = ±[`bound`](Self::bound), the diagonal √(width² + height²), which no distance reaches.
+/// The boundary runs along the sides of pixels, so that d is the distance to the closed unit square of the nearest
+/// unlike pixel: next to a straight edge ½, 1½, … (distances between centres would be 1, 2, …, and off by a half on
+/// both sides). A map without boundary has D = ±[`bound`](Self::bound), the diagonal √(width² + height²), which no
+/// distance reaches.
 ///
 /// Shapes: row-major, width·height. Units: pixels ([`distances`](Self::distances)), or (2d)², integers that are exact
 /// ([`squares`](Self::squares)).
@@ -110,7 +112,8 @@ impl VisibilityDistancePlan {
     /// Signed squares ±(2d)² of a map, or of as many one after another as `out` holds.
     ///
     /// # Panics
-    /// If `out.len()` is not a multiple of [`len`](Self::len), or `maps` is not as many maps (see [`BinaryMap`] for their lengths).
+    /// If `out.len()` is not a multiple of [`len`](Self::len), or `maps` is not as many maps (see [`BinaryMap`] for
+    /// their lengths).
     #[track_caller]
     pub fn squares(&self, maps: BinaryMap<'_>, out: &mut [i32], scratch: &mut VisibilityDistanceScratch) {
         self.run(maps, out, scratch);

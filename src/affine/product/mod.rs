@@ -1,9 +1,11 @@
-//! Integrals of a product of which one factor is scaled and moved: ∫ F(s v + o) G(v) W(v) dv, of sparse signals in the wavelet domain.
+//! Integrals of a product of which one factor is scaled and moved: ∫ F(s v + o) G(v) W(v) dv, of sparse signals in the
+//! wavelet domain.
 //!
-//! By affine triplings this is Σ F_i G_j W_k D_ijk. No triple is ever formed: the product G W is walked down the trees of its factors as
-//! in [`NFoldProduct`](crate::haar::NFoldProduct), to cells on which all of them are constant, and F is pulled back to those cells. A
-//! cell's mean of G W times the integral of F over its image is what the sum over all D_ijk of that cell comes to. F is pulled back either
-//! term by term (three breakpoints an axis: nothing but the closed form of D) or by its primitive, of which D holds second differences:
+//! By affine triplings this is Σ F_i G_j W_k D_ijk. No triple is ever formed: the product G W is walked down the trees
+//! of its factors as in [`NFoldProduct`](crate::haar::NFoldProduct), to cells on which all of them are constant, and F
+//! is pulled back to those cells. A cell's mean of G W times the integral of F over its image is what the sum over all
+//! D_ijk of that cell comes to. F is pulled back either term by term (three breakpoints an axis: nothing but the closed
+//! form of D) or by its primitive, of which D holds second differences:
 //!
 //! | route | reads | cost | when |
 //! |---|---|---|---|
@@ -44,7 +46,8 @@ pub struct ProductGradient<const AXES: usize, const C: usize = 1> {
 /// Differences of the primitive lose as many digits as 1/|s| has: from here on term by term.
 const SMALLEST_AREA: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Terms up to which they are cheaper than differences of the primitive (measured: 0.2 to 0.7 µs a term against 1 to 7 µs for all; bench `affine_product`).
+/// Terms up to which they are cheaper than differences of the primitive (measured: 0.2 to 0.7 µs a term against 1 to 7
+/// µs for all; bench `affine_product`).
 const FEW_TERMS: usize = 4;
 
 fn route(terms: usize, area: f64) -> ProductRoute {
@@ -56,8 +59,8 @@ fn route(terms: usize, area: f64) -> ProductRoute {
 ///   no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
 ///
 /// F is 0 outside [0, 1). The sizes of F and of the factors may differ. Nothing is allocated after construction.
-/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against the twin for n ≤ 16
-/// samples: below ¼ n ε (2 + (2 + |o|)/|s|) of it. Cost: see [`ProductRoute`].
+/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against
+/// the twin for n ≤ 16 samples: below ¼ n ε (2 + (2 + |o|)/|s|) of it. Cost: see [`ProductRoute`].
 ///
 /// # Example
 /// ```
@@ -140,11 +143,13 @@ impl AffineProduct1d {
     }
 }
 
-/// Plan of ∫∫ F(s_x x + o_x, s_y y + o_y) Π_k G_k(x, y) dx dy over [0, 1)² for one 2D signal F of C channels, many maps and factors.
+/// Plan of ∫∫ F(s_x x + o_x, s_y y + o_y) Π_k G_k(x, y) dx dy over [0, 1)² for one 2D signal F of C channels, many maps
+/// and factors.
 ///
-/// As [`AffineProduct1d`]; F and the factors by coefficients of the nonstandard basis. For a light F seen from a point at (x, z), with
-/// visibility and BRDF as factors, this is the light that the point reflects [Sun 2008, eq. 4.33].
-/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s_x s_y|. Memory: 32 bytes a pixel and channel of F.
+/// As [`AffineProduct1d`]; F and the factors by coefficients of the nonstandard basis. For a light F seen from a point
+/// at (x, z), with visibility and BRDF as factors, this is the light that the point reflects [Sun 2008, eq. 4.33].
+/// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s_x s_y|. Memory: 32 bytes a pixel
+/// and channel of F.
 ///
 /// # Example
 /// ```
@@ -168,8 +173,8 @@ impl<const C: usize> AffineProduct2d<C> {
     /// The plan of a signal's coefficients (flat nonstandard index) in each channel.
     ///
     /// # Errors
-    /// [`Error::Empty`] without channels; [`Error::Length`] unless they have one length; [`Error::NotPowerOfTwo`] unless that is the
-    /// square of a power of two; [`Error::OutOfRange`] above a side of 4096.
+    /// [`Error::Empty`] without channels; [`Error::Length`] unless they have one length; [`Error::NotPowerOfTwo`]
+    /// unless that is the square of a power of two; [`Error::OutOfRange`] above a side of 4096.
     pub fn new<T: Real>(channels: [&SparseVector<T>; C]) -> Result<Self> {
         let first = channels.first().ok_or(Error::Empty { what: "list of channels" })?;
         let side = side_of(first.len())?;
@@ -248,7 +253,8 @@ pub fn affine_double_product_1d<T: Real>(f: &SparseVector<T>, g: &SparseVector<T
     Ok(AffineProduct1d::new(f)?.integral([&BinaryTree::new(g)?], map))
 }
 
-/// ∫ F(s v + o) G(v) W(v) dv of sparse 1D signals = Σ_ijk F_i G_j W_k D_ijk: plans an [`AffineProduct1d`] and discards it.
+/// ∫ F(s v + o) G(v) W(v) dv of sparse 1D signals = Σ_ijk F_i G_j W_k D_ijk: plans an [`AffineProduct1d`] and discards
+/// it.
 ///
 /// # Errors
 /// [`Error::NotPowerOfTwo`] unless the lengths are powers of two; [`Error::OutOfRange`] above 2²⁶, of g or w above 2³⁰.
@@ -261,7 +267,8 @@ pub fn affine_triple_product_1d<T: Real>(
     Ok(AffineProduct1d::new(f)?.integral([&BinaryTree::new(g)?, &BinaryTree::new(w)?], map))
 }
 
-/// ∫∫ F(s_x x + o_x, s_y y + o_y) G(x, y) dx dy of sparse 2D signals (nonstandard basis): plans an [`AffineProduct2d`] and discards it.
+/// ∫∫ F(s_x x + o_x, s_y y + o_y) G(x, y) dx dy of sparse 2D signals (nonstandard basis): plans an [`AffineProduct2d`]
+/// and discards it.
 ///
 /// # Errors
 /// As [`AffineProduct2d::new`], of any factor.
@@ -274,8 +281,8 @@ pub fn affine_double_product_2d<T: Real>(
     Ok(value)
 }
 
-/// ∫∫ F(s_x x + o_x, s_y y + o_y) G(x, y) W(x, y) dx dy of sparse 2D signals (nonstandard basis): plans an [`AffineProduct2d`] and
-/// discards it.
+/// ∫∫ F(s_x x + o_x, s_y y + o_y) G(x, y) W(x, y) dx dy of sparse 2D signals (nonstandard basis): plans an
+/// [`AffineProduct2d`] and discards it.
 ///
 /// # Errors
 /// As [`AffineProduct2d::new`], of any factor.

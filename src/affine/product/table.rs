@@ -1,7 +1,8 @@
-//! The source as a table of its primitive: an integral over a cell is a difference of a few look-ups, whatever the source holds.
+//! The source as a table of its primitive: an integral over a cell is a difference of a few look-ups, whatever the
+//! source holds.
 //!
-//! The primitive of pixels is (bi)linear on each of them, so one record a pixel, of the corner's value and its differences, is all
-//! that an evaluation reads.
+//! The primitive of pixels is (bi)linear on each of them, so one record a pixel, of the corner's value and its
+//! differences, is all that an evaluation reads.
 
 use super::walk::{Cell, Seen, Source};
 use crate::affine::AffineMap;

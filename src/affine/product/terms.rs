@@ -84,8 +84,8 @@ impl Axis {
         (part(0) + 0.5 * part(1)) + (part(2) + 0.5 * part(1))
     }
 
-    /// The integral over [from, to] and its right-hand derivatives with respect to s and o: w_k times the velocities −b_k/s and −1/s of the
-    /// breakpoints that are, or enter, inside.
+    /// The integral over [from, to] and its right-hand derivatives with respect to s and o: w_k times the velocities
+    /// −b_k/s and −1/s of the breakpoints that are, or enter, inside.
     #[inline(always)]
     fn slopes(&self, from: f64, to: f64) -> [f64; 3] {
         let mut slopes = [self.value(from, to), 0.0, 0.0];

@@ -1,7 +1,8 @@
 //! Area resampling of one axis: the couplings of the pixel basis as a band of weights.
 //!
-//! In cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − N o)/s, and its weight in target cell k is the overlap
-//! of the two: the average of F(s v + o) over the cell is the weighted sum, exactly. A target cell meets at most ⌈|s|⌉ + 1 source cells.
+//! In cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − N o)/s, and its weight in target cell
+//! k is the overlap of the two: the average of F(s v + o) over the cell is the weighted sum, exactly. A target cell
+//! meets at most ⌈|s|⌉ + 1 source cells.
 
 use std::ops::Range;
 
@@ -111,8 +112,8 @@ impl<T: Real> Band<T> {
     }
 }
 
-/// ⌊s k + o⌋: where rounding s k + o would cross the end of a cell, the cell below it would be missed, which at a small |s| is all that
-/// target cell k sees.
+/// ⌊s k + o⌋: where rounding s k + o would cross the end of a cell, the cell below it would be missed, which at a small
+/// |s| is all that target cell k sees.
 #[inline(always)]
 fn image_cell(s: f64, k: f64, o: f64) -> f64 {
     let (product, product_low) = exact_product(s, k);
@@ -147,7 +148,8 @@ fn overlap(b: f64, a: f64, k: f64) -> f64 {
     if high > low { high - low } else { 0.0 }
 }
 
-/// The right-hand derivative of [`overlap`], its ends moving with the velocities: an end counts while it is inside, or enters.
+/// The right-hand derivative of [`overlap`], its ends moving with the velocities: an end counts while it is inside, or
+/// enters.
 #[inline(always)]
 fn overlap_slope(ends: [f64; 2], velocities: [f64; 2], k: f64) -> f64 {
     let moves = |e: usize| {

@@ -1,7 +1,8 @@
 //! Which route is the cheapest, from counts.
 //!
-//! Every route's cost is a sum of counts that are known before it runs, each times a measured constant. How many couplings a source function has
-//! is estimated: three at each level that is finer than its image, which is what it has in full view.
+//! Every route's cost is a sum of counts that are known before it runs, each times a measured constant. How many
+//! couplings a source function has is estimated: three at each level that is finer than its image, which is what it has
+//! in full view.
 
 use super::{PropagationRoute, PropagationSource, Targets};
 use crate::Real;
@@ -54,8 +55,8 @@ fn log_scale(map: AffineMap) -> usize {
 
 /// What a count costs, in nanoseconds of one core (Zen 3, AVX2) in its fast state; only their ratios matter.
 ///
-/// Fitted to the sweep of the bench `affine_propagation`: sides 16 to 128, 0.1 to 100 % of the terms, 1 to 100 % of the targets, one and three
-/// channels. The fit is within 15 % of nine tenths of the measurements.
+/// Fitted to the sweep of the bench `affine_propagation`: sides 16 to 128, 0.1 to 100 % of the terms, 1 to 100 % of the
+/// targets, one and three channels. The fit is within 15 % of nine tenths of the measurements.
 struct Cost {
     /// One value of a row that is scaled and added.
     fused: f64,
@@ -114,7 +115,8 @@ fn pixels<const C: usize>(cost: &Cost, levels: u32, maps: [AffineMap; 2], target
     500.0 + 0.4 * weights + channels * (cost.pixel * side * side + 0.32 * cost.fused * side * weights + gather)
 }
 
-/// Couplings of the functions that occur; their products with the terms; the second pass, over all targets or the wanted rows.
+/// Couplings of the functions that occur; their products with the terms; the second pass, over all targets or the
+/// wanted rows.
 #[inline(always)]
 fn two_pass<T: Real, const C: usize>(
     cost: &Cost,

@@ -24,19 +24,20 @@ use crate::{Error, Real, Result, parallel};
 /// How a propagation is computed; all give the same numbers to rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PropagationRoute {
-    /// Couplings of the source's terms: in two passes, one axis after the other (standard basis), or as products (nonstandard). Its cost
-    /// grows with the terms: sparse sources.
+    /// Couplings of the source's terms: in two passes, one axis after the other (standard basis), or as products
+    /// (nonstandard). Its cost grows with the terms: sparse sources.
     Wavelets,
-    /// Exact area resampling of the decoded pixels, one axis after the other, then the Haar transform. Its cost hardly depends on
-    /// the terms: dense sources.
+    /// Exact area resampling of the decoded pixels, one axis after the other, then the Haar transform. Its cost hardly
+    /// depends on the terms: dense sources.
     Pixels,
-    /// Each wanted coefficient from nine look-ups in a summed-area table: a few targets of a dense source. In f64; differences
-    /// of a table lose digits where |s| is small, about ε/(s_x s_y). Below |s_x s_y| = 2⁻²⁰ pixels are resampled instead.
+    /// Each wanted coefficient from nine look-ups in a summed-area table: a few targets of a dense source. In f64;
+    /// differences of a table lose digits where |s| is small, about ε/(s_x s_y). Below |s_x s_y| = 2⁻²⁰ pixels are
+    /// resampled instead.
     Lookups,
 }
 
 impl PropagationRoute {
-    /// All of them.
+    /// All routes.
     pub const ALL: [Self; 3] = [Self::Wavelets, Self::Pixels, Self::Lookups];
 }
 
@@ -53,12 +54,13 @@ pub enum Axis {
 ///
 ///   L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
 ///
-/// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of this side. A light's coefficients are prepared once
-/// ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its [`Targets`].
+/// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of this side. A light's coefficients are
+/// prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its
+/// [`Targets`].
 ///
 /// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
-/// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in `f64`, at a target pixel k
-/// that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
+/// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in
+/// `f64`, at a target pixel k that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
 ///
 /// # Example
@@ -95,7 +97,7 @@ pub struct PropagationScratch<T> {
 }
 
 impl<T: Real> PropagationScratch<T> {
-    /// Empty memory.
+    /// Working memory that has not grown yet.
     pub fn new() -> Self {
         Self {
             bands: [Band::new(), Band::new()],
@@ -164,7 +166,8 @@ impl<T: Real> Propagation<T> {
     /// L at the targets, for each channel of the source, by the cheapest route.
     ///
     /// # Panics
-    /// If the source's or the targets' side or basis is not the plan's, or the length of a plane of `out` not the number of targets.
+    /// If the source's or the targets' side or basis is not the plan's, or the length of a plane of `out` not the
+    /// number of targets.
     #[track_caller]
     pub fn apply<const C: usize>(
         &self,
@@ -233,8 +236,8 @@ impl<T: Real> Propagation<T> {
         self.resample(source, maps, weights, targets, out, scratch);
     }
 
-    /// [[∂J/∂s_x, ∂J/∂o_x], [∂J/∂s_y, ∂J/∂o_y]] of J = Σ_k g_k L_k, right-hand where L has a kink: what an optimiser of a light's
-    /// place needs, with `cotangent` = ∂J/∂L.
+    /// [[∂J/∂s_x, ∂J/∂o_x], [∂J/∂s_y, ∂J/∂o_y]] of J = Σ_k g_k L_k, right-hand where L has a kink: what an optimiser of
+    /// a light's place needs, with `cotangent` = ∂J/∂L.
     ///
     /// # Panics
     /// As [`apply`](Self::apply), of `cotangent` too.
@@ -268,7 +271,8 @@ impl<T: Real> Propagation<T> {
         gradient
     }
 
-    /// G_i = Σ_k D_ik(s, o) g_k of all coefficients of one channel: the transpose, with ⟨apply(F), g⟩ = ⟨F, adjoint(g)⟩.
+    /// G_i = Σ_k D_ik(s, o) g_k of all coefficients of one channel: the transpose, with ⟨apply(F), g⟩ = ⟨F,
+    /// adjoint(g)⟩.
     ///
     /// # Panics
     /// If a length is not `side`².
@@ -286,7 +290,8 @@ impl<T: Real> Propagation<T> {
         self.transform.forward_in_place(out, transform);
     }
 
-    /// L at the targets for many pairs of maps, in parallel: `out` holds, for each pair, C planes of one value a target.
+    /// L at the targets for many pairs of maps, in parallel: `out` holds, for each pair, C planes of one value a
+    /// target.
     ///
     /// The same bits for any number of threads.
     ///

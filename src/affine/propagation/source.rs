@@ -6,8 +6,8 @@ use crate::affine::Atom;
 use crate::haar::{Decomposition, SparseVector, Transform2d};
 use crate::{Error, Real, Result};
 
-/// Coefficients of C channels of one image, with what the routes of a [`Propagation`](super::Propagation) need of them: the terms, grouped;
-/// the pixels; a summed-area table.
+/// Coefficients of C channels of one image, with what the routes of a [`Propagation`](super::Propagation) need of them:
+/// the terms, grouped; the pixels; a summed-area table.
 ///
 /// Size: 4 + 4·C bytes a term, (sizeof T + 8)·C bytes a pixel. Changing a light costs an inverse transform and a table.
 #[derive(Debug, Clone)]
@@ -40,8 +40,8 @@ impl<T: Real, const C: usize> PropagationSource<T, C> {
     /// A compressed light (source-level compression) is one with few terms: see [`Selection`](crate::haar::Selection).
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096; [`Error::Length`] if a channel's dense length is
-    /// not `side`².
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096; [`Error::Length`] if a
+    /// channel's dense length is not `side`².
     pub fn new(side: usize, decomposition: Decomposition, channels: [&SparseVector<T>; C]) -> Result<Self> {
         super::check_side(side)?;
         for channel in channels {

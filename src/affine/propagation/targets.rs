@@ -89,13 +89,13 @@ impl Targets {
         })
     }
 
-    /// How many there are.
+    /// How many targets there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.chosen.as_ref().map_or(self.side * self.side, |chosen| chosen.index.len())
     }
 
-    /// Whether there are none.
+    /// Whether there are no targets.
     #[inline]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

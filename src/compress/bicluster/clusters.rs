@@ -20,8 +20,8 @@ pub struct Bicluster<'a> {
 }
 
 impl Bicluster<'_> {
-    /// Floating-point operations of its product with a vector: l multiplications and l − 1 additions give one number, which is added
-    /// to r rows.
+    /// Floating-point operations of its product with a vector: l multiplications and l − 1 additions give one number,
+    /// which is added to r rows.
     ///   W(B) = r + 2l − 1                                                            [bi-scale radiance transfer, eq. 7]
     pub fn cost(&self) -> usize {
         self.rows.len() + 2 * self.columns.len() - 1
@@ -31,13 +31,13 @@ impl Bicluster<'_> {
 /// A sparse matrix as a sum of biclusters, without loss.
 ///   T = Σ_i B_i                                                                      [bi-scale radiance transfer §IV]
 ///
-/// Each bicluster grows from one element by the best of all moves (another row or column, or one less) until none saves more operations;
-/// it is subtracted, and the search goes on in what is left, which is negative where a row has less than its column's level. (Signs of eq. 9 and
-/// what algorithm 1 subtracts: docs/errata.md.)
+/// Each bicluster grows from one element by the best of all moves (another row or column, or one less) until none saves
+/// more operations; it is subtracted, and the search goes on in what is left, which is negative where a row has less
+/// than its column's level. (Signs of eq. 9 and what algorithm 1 subtracts: docs/errata.md.)
 ///
-/// The greedy rule is deterministic: of moves that gain the same, adding a row comes before adding a column, deleting a row, deleting a column,
-/// and lower indices before higher ones; a column's level is its most frequent non-zero one over the chosen rows at each step, the
-/// smallest of equals. The same result for any number of threads.
+/// The greedy rule is deterministic: of moves that gain the same, adding a row comes before adding a column, deleting a
+/// row, deleting a column, and lower indices before higher ones; a column's level is its most frequent non-zero one
+/// over the chosen rows at each step, the smallest of equals. The same result for any number of threads.
 ///
 /// # Example
 /// ```
@@ -71,7 +71,7 @@ pub struct Biclustering {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BiclusterStats {
-    /// How many biclusters.
+    /// How many biclusters there are.
     pub biclusters: usize,
     /// Σ r.
     pub row_entries: usize,
@@ -90,13 +90,13 @@ pub struct BiclusterStats {
 impl Biclustering {
     /// Biclusters of a matrix, in groups of at most `settings.group_rows` rows.
     ///
-    /// Groups are made of rows that share columns: rows of one direction, where rows are (vertex, local direction). Groups that are too large
-    /// are cut into runs of consecutive rows, so put vertices in an order in which neighbours are near. A matrix without
-    /// non-zeros gives no biclusters.
+    /// Groups are made of rows that share columns: rows of one direction, where rows are (vertex, local direction).
+    /// Groups that are too large are cut into runs of consecutive rows, so put vertices in an order in which neighbours
+    /// are near. A matrix without non-zeros gives no biclusters.
     ///
     /// `progress` counts non-zeros of the matrix.
-    /// Cost: linear in the number of groups; about 1 s of one core for a million non-zeros of a transfer matrix. Memory: 16 B a
-    /// non-zero and thread's group, and the result.
+    /// Cost: linear in the number of groups; about 1 s of one core for a million non-zeros of a transfer matrix.
+    /// Memory: 16 B a non-zero and thread's group, and the result.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `settings.group_rows` is 0, [`Error::Cancelled`] if `progress` asked to stop.
@@ -105,7 +105,8 @@ impl Biclustering {
         Ok(Self::collect(matrix, search(matrix, &groups, settings, Tracing::Off, progress)?).0)
     }
 
-    /// Biclusters of groups of rows that the caller chose: `groups[j]` is the group of row j, any numbers. `settings.group_rows` is not used.
+    /// Biclusters of groups of rows that the caller chose: `groups[j]` is the group of row j, any numbers.
+    /// `settings.group_rows` is not used.
     ///
     /// # Errors
     /// [`Error::Length`] unless there is a group for each row; [`Error::Cancelled`] if `progress` asked to stop.
@@ -165,7 +166,7 @@ impl Biclustering {
         (all, traces)
     }
 
-    /// How many biclusters.
+    /// How many biclusters there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.row_offsets.len() - 1

@@ -1,17 +1,19 @@
 //! Greedy growth of one bicluster.
 //!
-//! With m_k the count of the most frequent non-zero value of column k over the rows R, z_k its zeros there, r = |R|, l = |C|:
+//! With m_k the count of the most frequent non-zero value of column k over the rows R, z_k its zeros there, r = |R|,
+//! l = |C|:
 //!   ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M_R) = Σ_{k∈C} 2 (m_k − z_k − 1) − (r − 1)
-//! because nnz(M) = Σ (r − z_k) and nnz(M_R) = Σ (r − m_k). Hence what each move gains, with "mode" a value that occurs m_k times:
+//! because nnz(M) = Σ (r − z_k) and nnz(M_R) = Σ (r − m_k). Hence what each move gains, with "mode" a value that occurs
+//! m_k times:
 //! - add column k:    2 (m_k + nnz_k − r − 1), nnz_k = r − z_k
 //! - add row i:       2 s_i − 2l − 1,  s_i = Σ_{k∈C, T_ik≠0} (1 + \[T_ik is a mode of k\])
 //! - delete row i:    1 + 2l − 2 u_i,  u_i = Σ_{k∈C, T_ik≠0} (1 + \[T_ik is the only mode of k\])
 //! - delete column k: the negative of adding it.
 //!
-//! r and l are the same for all candidates of a kind, so a queue keyed by m_k + nnz_k, and one keyed by s_i, stay valid while they change:
-//! a move touches only rows and columns that share a non-zero with the row or column that moves. A column that is empty over R has t = 0
-//! and an empty residual: it contributes −2 whatever r is. Only deletions of rows lead there; `soles` and `empties` count the columns for which
-//! the formulas above need a correction.
+//! r and l are the same for all candidates of a kind, so a queue keyed by m_k + nnz_k, and one keyed by s_i, stay valid
+//! while they change: a move touches only rows and columns that share a non-zero with the row or column that moves. A
+//! column that is empty over R has t = 0 and an empty residual: it contributes −2 whatever r is. Only deletions of rows
+//! lead there; `soles` and `empties` count the columns for which the formulas above need a correction.
 
 use super::histogram::Histogram;
 use super::queue::BucketQueue;
@@ -216,7 +218,8 @@ impl Growth {
         self.column_queue.set(column, self.histograms[column].key());
     }
 
-    /// The move that gains most, if any gains: of equals the first in the order of [`BiclusterMove`], then the lowest index.
+    /// The move that gains most, if any gains: of equals the first in the order of [`BiclusterMove`], then the lowest
+    /// index.
     fn best_move(&mut self, matrix: &Residual) -> Option<(BiclusterMove, usize, i64)> {
         let moves = [
             self.best_row(matrix).map(|m| (BiclusterMove::AddRow, m)),
@@ -262,8 +265,8 @@ impl Growth {
         if r < 2 {
             return None;
         }
-        // An empty column gains nothing from a zero less (formula: 2); a column that becomes empty goes from −2 (r − 1) to −2
-        // (formula: −2, only mode).
+        // An empty column gains nothing from a zero less (formula: 2); a column that becomes empty goes from −2 (r − 1)
+        // to −2 (formula: −2, only mode).
         let gain = |row: usize| 1 + 2 * l - 2 * i64::from(self.row_keys[row]) - 2 * self.empties as i64;
         let rows = self.rows.iter().map(|&row| row as usize);
         if self.soles == 0 {
@@ -370,7 +373,8 @@ mod tests {
         best
     }
 
-    /// Also submatrices that greedy growth does not pass through: with columns that are empty, or have a single non-zero.
+    /// Also submatrices that greedy growth does not pass through: with columns that are empty, or have a single
+    /// non-zero.
     #[test]
     fn the_best_move_of_any_submatrix_is_that_of_the_definition() {
         let mut random = Random(1);

@@ -65,7 +65,8 @@ impl Histogram {
         changed
     }
 
-    /// Counts one `value` less, which must have been added. Returns whether the set of modes changed; `before` then holds the old one.
+    /// Counts one `value` less, which must have been added. Returns whether the set of modes changed; `before` then
+    /// holds the old one.
     pub(super) fn remove(&mut self, value: i32, before: &mut Vec<i32>) -> bool {
         self.total -= 1;
         let at = self.counts.iter().position(|&(v, _)| v == value).expect("only what was added is removed");

@@ -6,9 +6,9 @@ use crate::{Error, Real, Result, parallel};
 /// A sparse matrix whose entries are integer levels times one scale; compressed rows.
 ///   T_jk = scale · level_jk
 ///
-/// Integers, because compression that gives back every bit must subtract, and differences of floating-point numbers are not exact.
-/// Visibility sampled 2^m × 2^m times a texel has the levels 0…2^{2m} and the scale 2^{−2m} [bi-scale radiance transfer §IV-A]. Powers of
-/// two as scales keep every entry exact in `f32`.
+/// Integers, because compression that gives back every bit must subtract, and differences of floating-point numbers are
+/// not exact. Visibility sampled 2^m × 2^m times a texel has the levels 0…2^{2m} and the scale 2^{−2m} [bi-scale
+/// radiance transfer §IV-A]. Powers of two as scales keep every entry exact in `f32`.
 ///
 /// Entries of a row ascend strictly by column and none is zero. Two matrices are equal if shape, scale and entries are.
 ///
@@ -36,11 +36,12 @@ impl SparseMatrix {
     /// The largest magnitude of a level: 2^24, below which integers are exact in `f32`.
     pub const MAX_LEVEL: i32 = 1 << 24;
 
-    /// A matrix from (row, column, level) in any order; levels of one place are added, and what adds up to zero is dropped.
+    /// A matrix from (row, column, level) in any order; levels of one place are added, and what adds up to zero is
+    /// dropped.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless every place is in the matrix, every level (and sum) is at most [`MAX_LEVEL`](Self::MAX_LEVEL) in
-    /// magnitude, `scale` is finite and above 0, and both sizes are below 2^31.
+    /// [`Error::OutOfRange`] unless every place is in the matrix, every level (and sum) is at most
+    /// [`MAX_LEVEL`](Self::MAX_LEVEL) in magnitude, `scale` is finite and above 0, and both sizes are below 2^31.
     pub fn from_triplets(
         rows: usize,
         columns: usize,
@@ -82,8 +83,8 @@ impl SparseMatrix {
     ///
     /// # Errors
     /// [`Error::Length`] unless `offsets` start at 0, end at the number of entries and there is one level an index;
-    /// [`Error::OutOfRange`] unless offsets ascend, columns ascend strictly in each row and are in the matrix, and levels are not 0; and
-    /// as [`from_triplets`](Self::from_triplets).
+    /// [`Error::OutOfRange`] unless offsets ascend, columns ascend strictly in each row and are in the matrix, and
+    /// levels are not 0; and as [`from_triplets`](Self::from_triplets).
     pub fn from_rows(
         columns: usize,
         scale: f64,
@@ -130,12 +131,14 @@ impl SparseMatrix {
         Ok(Self { columns, scale, offsets, indices, levels })
     }
 
-    /// A matrix from (row, column, value) with values rounded to the nearest multiple of `scale`, halves away from zero.
+    /// A matrix from (row, column, value) with values rounded to the nearest multiple of `scale`, halves away from
+    /// zero.
     ///
     /// Exact if the values are such multiples. Values of one place are rounded, then added.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] if a value is NaN or infinite (`index` counts the triplets), and as [`from_triplets`](Self::from_triplets).
+    /// [`Error::NotFinite`] if a value is NaN or infinite (`index` counts the triplets), and as
+    /// [`from_triplets`](Self::from_triplets).
     pub fn quantise(
         rows: usize,
         columns: usize,
@@ -162,13 +165,13 @@ impl SparseMatrix {
         Self { columns, scale, offsets: vec![0; rows + 1], indices, levels }
     }
 
-    /// How many rows.
+    /// How many rows the matrix has.
     #[inline]
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
     }
 
-    /// How many columns.
+    /// How many columns the matrix has.
     #[inline]
     pub fn columns(&self) -> usize {
         self.columns
@@ -210,8 +213,8 @@ impl SparseMatrix {
 
     /// T·x for `sides` right-hand sides at once: the product that biclustering makes cheaper.
     ///
-    /// Shapes: `x[k·sides + s]`, `out[j·sides + s]`. Each sum runs over ascending columns in T. On all threads (feature `rayon`), the same
-    /// bits for any number of them.
+    /// Shapes: `x[k·sides + s]`, `out[j·sides + s]`. Each sum runs over ascending columns in T. On all threads (feature
+    /// `rayon`), the same bits for any number of them.
     ///
     /// # Panics
     /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.

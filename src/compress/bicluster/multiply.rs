@@ -5,14 +5,19 @@ use crate::error::check_length;
 use crate::{Real, parallel};
 
 /// T·x from the biclusters of T, for one or several right-hand sides.
-///   p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
 ///
-/// All products first, then each row gathers those of the biclusters that it is in: two passes that read their lists from front to back.
+/// ```text
+/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
+/// ```
 ///
-/// Accuracy: each row is a sum of rounded sums, off by at most n·ε·Σ_i Σ_k |t_ik x_k|, n the terms of its longest chain (columns of a bicluster
-/// and biclusters of the row). Residuals cancel: the sum of magnitudes may exceed that of the matrix's own entries.
-/// NaN or infinity in x_k reaches every row of a bicluster with column k, also of those where a residual takes the column back.
-/// The same bits for any number of threads, and for each right-hand side alone or with others.
+/// All products first, then each row gathers those of the biclusters that it is in: two passes that read their lists
+/// from front to back.
+///
+/// Accuracy: each row is a sum of rounded sums, off by at most n·ε·Σ_i Σ_k |t_ik x_k|, n the terms of its longest chain
+/// (columns of a bicluster and biclusters of the row). Residuals cancel: the sum of magnitudes may exceed that of the
+/// matrix's own entries. NaN or infinity in x_k reaches every row of a bicluster with column k, also of those where a
+/// residual takes the column back. The same bits for any number of threads, and for each right-hand side alone or with
+/// others.
 #[derive(Debug, Clone)]
 pub struct BiclusterMultiplier<T> {
     rows: usize,

@@ -11,12 +11,12 @@ const ROUNDS: usize = 3;
 /// Groups of rows, each ascending, every row with entries in exactly one.
 ///
 /// 1. The column with the most entries in rows without a group takes those rows, and so on.
-/// 2. Some rounds, as in k-means: each column goes to the group in which it has most entries, then each row to the group that most of its columns
-///    went to. The scraps that step 1 ends with dissolve into the groups around them.
+/// 2. Some rounds, as in k-means: each column goes to the group in which it has most entries, then each row to the
+///    group that most of its columns went to. The scraps that step 1 ends with dissolve into the groups around them.
 /// 3. Groups above `group_rows` are cut into equal runs of consecutive rows; small ones are joined up to it.
 ///
-/// Where supports are compact (a solid angle of directions), a row shares its columns with rows of its own group for the most part.
-/// Time and memory: linear in the entries.
+/// Where supports are compact (a solid angle of directions), a row shares its columns with rows of its own group for
+/// the most part. Time and memory: linear in the entries.
 pub(super) fn by_shared_columns(matrix: &SparseMatrix, group_rows: usize) -> Vec<Vec<u32>> {
     let (labels, count) = labelled(matrix);
     let mut groups = vec![Vec::new(); count];

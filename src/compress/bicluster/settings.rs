@@ -8,7 +8,8 @@ pub enum Seeds {
     /// The first element that is left, rows before columns.
     #[default]
     First,
-    /// Elements in an order shuffled by this seed; those that biclusters leave behind follow as in [`First`](Self::First).
+    /// Elements in an order shuffled by this seed; those that biclusters leave behind follow as in
+    /// [`First`](Self::First).
     Random(u64),
 }
 
@@ -18,11 +19,12 @@ pub enum Seeds {
 pub struct BiclusterSettings {
     /// Where biclusters begin.
     pub seeds: Seeds,
-    /// Most rows of a group, default 4,096. Biclusters do not reach across groups, so that groups are independent work and time is linear in the
-    /// rows.
+    /// Most rows of a group, default 4,096. Biclusters do not reach across groups, so that groups are independent work
+    /// and time is linear in the rows.
     ///
-    /// Too small and biclusters end at the border of their group: at 1,024 rows a product of the bunny's transfer matrix costs 8 % more than at
-    /// 4,096, without groups 1 % less. Too large and there is less to do in parallel, and each step walks longer columns.
+    /// Too small and biclusters end at the border of their group: at 1,024 rows a product of the bunny's transfer
+    /// matrix costs 8 % more than at 4,096, without groups 1 % less. Too large and there is less to do in parallel, and
+    /// each step walks longer columns.
     pub group_rows: usize,
 }
 

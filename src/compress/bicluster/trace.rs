@@ -3,13 +3,13 @@
 /// One way to change a submatrix; in the order in which equals are preferred.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum BiclusterMove {
-    /// Another row.
+    /// A row is added.
     AddRow,
-    /// Another column.
+    /// A column is added.
     AddColumn,
-    /// A row less.
+    /// A row is taken out.
     DeleteRow,
-    /// A column less.
+    /// A column is taken out.
     DeleteColumn,
 }
 

@@ -104,7 +104,8 @@ impl<'a, T: Real> Builder<'a, T> {
     }
 }
 
-/// Gives each cluster without rows the row with the largest error (the first of equals) that is not alone in its cluster; those without error stay where they are.
+/// Gives each cluster without rows the row with the largest error (the first of equals) that is not alone in its
+/// cluster; those without error stay where they are.
 fn inhabit(places: &mut [Place], clusters: usize) {
     let mut sizes = vec![0usize; clusters];
     places.iter().for_each(|place| sizes[place.label as usize] += 1);

@@ -13,17 +13,21 @@ use crate::error::check_length;
 use crate::parallel::Watch;
 use crate::{Error, Progress, Real, Result, parallel};
 
-/// The rows of a matrix, each as a cluster c and weights of that cluster's principal components [Sloan, Hall, Hart & Snyder 2003].
+/// The rows of a matrix, each as a cluster c and weights of that cluster's principal components [Sloan, Hall, Hart &
+/// Snyder 2003].
 ///   x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
 ///
-/// The second line is what this is for: a light l meets the means and components once, and each row is then `components` multiplications and additions.
+/// The second line is what this is for: a light l meets the means and components once, and each row is then
+/// `components` multiplications and additions.
 ///
-/// Found as the paper says: k-means, then rounds of fitting components to the rows of each cluster and moving each row to the cluster whose affine subspace
-/// is nearest to it, until the squared error hardly falls ([`ClusteredPcaSettings`]). Moves never raise the error. The first means are
-/// drawn far from each other; a cluster that loses all its rows begins anew at the row with the largest error.
+/// Found as the paper says: k-means, then rounds of fitting components to the rows of each cluster and moving each row
+/// to the cluster whose affine subspace is nearest to it, until the squared error hardly falls
+/// ([`ClusteredPcaSettings`]). Moves never raise the error. The first means are drawn far from each other; a cluster
+/// that loses all its rows begins anew at the row with the largest error.
 ///
-/// Shapes: matrices row-major; components of a cluster `[j·columns + c]`. There are at most as many clusters as different rows; [`clusters`](Self::clusters) says. A cluster
-/// whose rows lie in a smaller subspace (less rows than components, equal rows) has zeros for the components that it lacks, and weights 0.
+/// Shapes: matrices row-major; components of a cluster `[j·columns + c]`. There are at most as many clusters as
+/// different rows; [`clusters`](Self::clusters) says. A cluster whose rows lie in a smaller subspace (less rows than
+/// components, equal rows) has zeros for the components that it lacks, and weights 0.
 ///
 /// The same bits for any number of threads.
 ///
@@ -48,7 +52,7 @@ pub struct ClusteredPca<T> {
     pub(super) distortion: Distortion,
 }
 
-/// What a [`ClusteredPca`] takes and loses.
+/// What a [`ClusteredPca`] takes in memory, and what it loses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ClusteredPcaStats {
@@ -65,7 +69,7 @@ pub struct ClusteredPcaStats {
 }
 
 impl ClusteredPcaStats {
-    /// Bytes of the matrix for each that is stored.
+    /// How many bytes of the matrix there are for each byte that is stored.
     pub fn ratio(&self) -> f64 {
         self.matrix_bytes as f64 / (self.basis_bytes + self.row_bytes) as f64
     }
@@ -75,12 +79,19 @@ impl<T: Real> ClusteredPca<T> {
     /// Clusters and codes of the rows of a row-major matrix.
     ///
     /// `progress` counts rows: one for each row and round; it jumps where rounds end early.
-    /// Cost: a round is rows · clusters · (components + 1) · columns multiplications and additions, at the speed of a matrix product.
+    /// Cost: a round is rows · clusters · (components + 1) · columns multiplications and additions, at the speed of a
+    /// matrix product.
     ///
     /// # Errors
-    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`]; [`Error::OutOfRange`] without clusters, for
-    /// too many components, a tolerance that is negative or NaN, 2^32 rows, and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
-    pub fn new(matrix: &[T], columns: usize, settings: &ClusteredPcaSettings, progress: &dyn Progress) -> Result<Self> {
+    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`];
+    /// [`Error::OutOfRange`] without clusters, for too many components, a tolerance that is negative or NaN, 2^32 rows,
+    /// and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
+    pub fn new(
+        matrix: &[T],
+        columns: usize,
+        settings: &ClusteredPcaSettings,
+        progress: &dyn Progress,
+    ) -> Result<Self> {
         check(matrix, columns, settings)?;
         Self::build(matrix, columns, settings, progress, Start::Seeds)
     }
@@ -88,8 +99,8 @@ impl<T: Real> ClusteredPca<T> {
     /// As [`new`](Self::new), from a cluster for each row, below `settings.clusters`, instead of k-means.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::Length`] unless there is a label for each row; [`Error::OutOfRange`] for a label that is not below the number of clusters, and
-    /// of rows.
+    /// As [`new`](Self::new); [`Error::Length`] unless there is a label for each row; [`Error::OutOfRange`] for a label
+    /// that is not below the number of clusters, and of rows.
     pub fn from_labels(
         matrix: &[T],
         columns: usize,
@@ -171,7 +182,7 @@ impl<T: Real> ClusteredPca<T> {
         &self.weights
     }
 
-    /// What is stored of a row.
+    /// A row, from what is stored of it.
     ///
     /// # Panics
     /// If `row` is out of range or `out` has not as many numbers as the matrix has columns.
@@ -199,7 +210,8 @@ impl<T: Real> ClusteredPca<T> {
     /// [`Error::NotFinite`] for NaN and infinite elements.
     ///
     /// # Panics
-    /// Unless `rows` holds whole rows, `labels` a number for each and `weights` [`components`](Self::components) numbers for each.
+    /// Unless `rows` holds whole rows, `labels` a number for each and `weights` [`components`](Self::components)
+    /// numbers for each.
     #[track_caller]
     pub fn encode(&self, rows: &[T], labels: &mut [u32], weights: &mut [T]) -> Result<()> {
         let columns = self.columns();
@@ -252,7 +264,8 @@ impl<T: Real> ClusteredPca<T> {
 
     /// As [`multiply`](Self::multiply); what the means and components give goes to `scratch`.
     ///
-    /// Accuracy: products with means and components are sums in `f64`, rounded once; a row is a sum of components + 1 terms in `T`.
+    /// Accuracy: products with means and components are sums in `f64`, rounded once; a row is a sum of components + 1
+    /// terms in `T`.
     ///
     /// # Panics
     /// As [`multiply`](Self::multiply), and if `scratch` is not [`scratch_len`](Self::scratch_len) long.

@@ -1,8 +1,9 @@
 //! The cluster that approximates a row best.
 //!
 //! |x − m|² − Σ_j (u_j·(x − m))² for every cluster is a product of the row with all means and components; common to all
-//! clusters and left out is |x|². Everything is about the mean of the matrix and scaled, so that the sums, in the matrix's precision, lose little. What
-//! rounding may still confuse are clusters that are equally good; the squared error itself is taken from the row in `f64`.
+//! clusters and left out is |x|². Everything is about the mean of the matrix and scaled, so that the sums, in the
+//! matrix's precision, lose little. What rounding may still confuse are clusters that are equally good; the squared
+//! error itself is taken from the row in `f64`.
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -9,8 +9,9 @@ use crate::{Real, parallel};
 /// Rows of the sample for each cluster.
 const SAMPLE: usize = 16;
 
-/// At most `clusters` different rows that are far from each other: of a random sample of 16 rows a cluster the next one is drawn with a probability that
-/// is proportional to its squared distance from those drawn [k-means++, Arthur & Vassilvitskii 2007].
+/// At most `clusters` different rows that are far from each other: of a random sample of 16 rows a cluster the next one
+/// is drawn with a probability that is proportional to its squared distance from those drawn [k-means++, Arthur &
+/// Vassilvitskii 2007].
 ///
 /// Differences are scaled before they are squared, so that those of tiny numbers do not vanish.
 pub(super) fn far_rows<T: Real>(

@@ -8,7 +8,8 @@ use crate::{Error, Result};
 pub struct ClusteredPcaSettings {
     /// Most clusters.
     pub clusters: usize,
-    /// Components of each cluster beside its mean; with 0 this is k-means. At most 65536, or the number of columns if that is more.
+    /// Components of each cluster beside its mean; with 0 this is k-means. At most 65536, or the number of columns if
+    /// that is more.
     pub components: usize,
     /// Most rounds of k-means, and then of clustering by components; default 20. A round reads the matrix twice.
     pub iterations: usize,

@@ -14,7 +14,8 @@ const SMALL: usize = 64;
 
 /// The decomposition of the symmetric matrix whose lower triangle is `lower` (row-major, n × n; the rest is not read).
 ///
-/// Beyond [`SMALL`] by nalgebra, with bounded iterations and the result checked; what fails the check is done by rotations.
+/// Beyond [`SMALL`] by nalgebra, with bounded iterations and the result checked; what fails the check is done by
+/// rotations.
 pub(in super::super) fn symmetric_eigen(lower: &[f64], n: usize) -> Eigen {
     let mut matrix = lower.to_vec();
     for i in 0..n {
@@ -51,7 +52,8 @@ fn tridiagonal(matrix: &[f64], n: usize) -> Option<(Vec<f64>, Vec<f64>)> {
     (0..n).all(right).then_some((values, vectors))
 }
 
-/// Cyclic Jacobi rotations [Golub & Van Loan §8.5]: each annihilates one element, and the sum of the squares off the diagonal falls, in the end quadratically.
+/// Cyclic Jacobi rotations [Golub & Van Loan §8.5]: each annihilates one element, and the sum of the squares off the
+/// diagonal falls, in the end quadratically.
 fn jacobi(mut a: Vec<f64>, n: usize) -> (Vec<f64>, Vec<f64>) {
     /// Six to ten are usual.
     const SWEEPS: usize = 60;

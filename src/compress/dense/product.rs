@@ -14,7 +14,8 @@ pub(in super::super) enum Part {
     Lower,
 }
 
-/// Rows packed as the right factor of [`times_rows`]: blocks of [`DEPTH`] columns, in each the panels of a tile's width.
+/// Rows packed as the right factor of [`times_rows`]: blocks of [`DEPTH`] columns, in each the panels of a tile's
+/// width.
 #[derive(Debug, Clone, PartialEq)]
 pub(in super::super) struct Factors<E> {
     data: Vec<E>,
@@ -95,7 +96,8 @@ pub(in super::super) fn times_some_rows<T: Real, E: Real>(
     }
 }
 
-/// Copies rows `start..start + count`, columns `first..first + depth`, into panels of `width` columns, one after the other.
+/// Copies rows `start..start + count`, columns `first..first + depth`, into panels of `width` columns, one after the
+/// other.
 ///
 /// Row by row: a row's columns lie in a run, rows may lie a page apart.
 struct CopyRows<'a, 'b, T, E> {
@@ -149,7 +151,8 @@ pub(in super::super) fn transpose_times<T: Real, E: Real>(rows: &Rows<T, E>, lef
     sums.finish()
 }
 
-/// Q Aᵀ A, of [`times_rows`] and [`transpose_times`] with the same bits, in one pass over A: rows come from memory once for both.
+/// Q Aᵀ A, of [`times_rows`] and [`transpose_times`] with the same bits, in one pass over A: rows come from memory once
+/// for both.
 pub(in super::super) fn there_and_back<T: Real, E: Real>(rows: &Rows<T, E>, q: &Factors<E>) -> Vec<f64> {
     let arch = Arch::new();
     let p = q.len;

@@ -2,7 +2,8 @@
 
 use crate::Real;
 
-/// A power of two by which a matrix is multiplied before anything is squared, so that neither large nor small numbers leave the range.
+/// A power of two by which a matrix is multiplied before anything is squared, so that neither large nor small numbers
+/// leave the range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Scaling(f64);
 

@@ -32,10 +32,11 @@ pub(in super::super) fn dot_wide<T: Real>(a: &[f64], b: &[T]) -> f64 {
 /// A row that loses all but this share of its length to the rows before it depends on them.
 const DEPENDENT: f64 = 1e-12;
 
-/// Makes the rows orthonormal, each against those before it, and drops those that depend on them; returns how many are left.
+/// Makes the rows orthonormal, each against those before it, and drops those that depend on them; returns how many are
+/// left.
 ///
-/// Gram–Schmidt, repeated for a row until a pass takes away less than half of it: "twice is enough" (Kahan, Parlett), so the
-/// rows are orthogonal to a few ε whatever they were.
+/// Gram–Schmidt, repeated for a row until a pass takes away less than half of it: "twice is enough" (Kahan, Parlett),
+/// so the rows are orthogonal to a few ε whatever they were.
 pub(in super::super) fn orthonormalise(rows: &mut Vec<f64>, columns: usize) -> usize {
     let kept = if columns == 0 { 0 } else { Arch::new().dispatch(Orthonormalise { rows, columns }) };
     rows.truncate(kept * columns);

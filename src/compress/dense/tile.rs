@@ -1,9 +1,9 @@
 //! The kernel of every product: a tile of 6 rows and two registers of columns, summed over at most [`DEPTH`] terms.
 //!
 //! Both factors are packed: rows of the left one lie one after the other, `DEPTH` numbers each; the right one has the
-//! numbers of a tile's columns side by side. A sum runs over ascending terms, one multiplication and one addition each, so that neither
-//! the machine nor the place of an element in a tile changes its bits. Tiles beyond the first `DEPTH` terms are added to what is there:
-//! a sum of n terms has an error of (256 + n/256) ε at most.
+//! numbers of a tile's columns side by side. A sum runs over ascending terms, one multiplication and one addition each,
+//! so that neither the machine nor the place of an element in a tile changes its bits. Tiles beyond the first `DEPTH`
+//! terms are added to what is there: a sum of n terms has an error of (256 + n/256) ε at most.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -13,7 +13,8 @@ use crate::Real;
 /// (6 · 256 + 16 · 256 numbers) leave the fastest cache.
 pub(super) const DEPTH: usize = 256;
 
-/// Rows of a tile: six rows of two registers, two for the right factor, one for the left, one for a product are all 16 registers.
+/// Rows of a tile: six rows of two registers, two for the right factor, one for the left, one for a product are all 16
+/// registers.
 pub(super) const TILE_ROWS: usize = 6;
 
 /// Numbers of a left tile.

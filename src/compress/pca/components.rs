@@ -13,16 +13,18 @@ use crate::{Error, Real, Result, parallel};
 /// Principal components of the rows of a matrix: the mean and the directions in which rows vary most.
 ///   x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
 ///
-/// Of all affine subspaces of its dimension (through the origin with [`Centre::Origin`]) this is the one with the least sum of squared
-/// distances to the rows. Components are orthonormal, variances descend, and the entry of largest magnitude (the first of equals) of each component
-/// is positive.
+/// Of all affine subspaces of its dimension (through the origin with [`Centre::Origin`]) this is the one with the least
+/// sum of squared distances to the rows. Components are orthonormal, variances descend, and the entry of largest
+/// magnitude (the first of equals) of each component is positive.
 ///
 /// Shapes: matrices row-major; components `[j·columns + c]`, weights `[row·len + j]`.
 ///
-/// Rank: components whose standard deviation is below 4e-6 (`f32`) or 1.2e-7 (`f64`) of the largest one's are rounding, and are dropped, so
-/// [`len`](Self::len) may be less than was asked for; it is 0 if all rows are equal. Never more than min(rows, columns).
+/// Rank: components whose standard deviation is below 4e-6 (`f32`) or 1.2e-7 (`f64`) of the largest one's are rounding,
+/// and are dropped, so [`len`](Self::len) may be less than was asked for; it is 0 if all rows are equal. Never more
+/// than min(rows, columns).
 /// Accuracy: the exact method to a few ε·(first deviation/this deviation); the randomised one as its settings say.
-/// Cost: the randomised method reads the matrix power iterations + 3 times and multiplies by it 2 · power iterations + 2 times. The same bits for any number of threads.
+/// Cost: the randomised method reads the matrix power iterations + 3 times and multiplies by it 2 · power iterations +
+/// 2 times. The same bits for any number of threads.
 ///
 /// # Example
 /// ```
@@ -52,8 +54,9 @@ impl<T: Real> Pca<T> {
     /// Components of a row-major matrix.
     ///
     /// # Errors
-    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`] for NaN and infinite elements;
-    /// [`Error::OutOfRange`] for elements above 1e140, whose squares leave `f64`, and for more than 1000 power iterations.
+    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`] for NaN
+    /// and infinite elements; [`Error::OutOfRange`] for elements above 1e140, whose squares leave `f64`, and for more
+    /// than 1000 power iterations.
     pub fn new(matrix: &[T], columns: usize, settings: &PcaSettings) -> Result<Self> {
         let rows = check_matrix(matrix, columns)?;
         if settings.power_iterations > 1000 {
@@ -74,10 +77,12 @@ impl<T: Real> Pca<T> {
         Ok(Self { mean, components, variances, total_variance: total / rows as f64, factors })
     }
 
-    /// From a mean (zeros for [`Centre::Origin`]), orthonormal components row after row and their variances: for those that were stored, or quantised.
+    /// From a mean (zeros for [`Centre::Origin`]), orthonormal components row after row and their variances: for those
+    /// that were stored, or quantised.
     ///
     /// # Errors
-    /// [`Error::Empty`] if `mean` is; [`Error::Length`] unless there are as many components as variances; [`Error::NotFinite`].
+    /// [`Error::Empty`] if `mean` is; [`Error::Length`] unless there are as many components as variances;
+    /// [`Error::NotFinite`].
     pub fn from_parts(mean: Vec<T>, components: Vec<T>, variances: Vec<f64>, total_variance: f64) -> Result<Self> {
         if mean.is_empty() {
             return Err(Error::Empty { what: "mean" });
@@ -94,7 +99,7 @@ impl<T: Real> Pca<T> {
         Ok(Self { mean, components, variances, total_variance, factors })
     }
 
-    /// How many components.
+    /// How many components there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.variances.len()

@@ -44,7 +44,8 @@ impl<T: Real> Source<'_, T> {
     }
 }
 
-/// The components of largest variance, at most `settings.components`; signs are such that the entry of largest magnitude is positive.
+/// The components of largest variance, at most `settings.components`; signs are such that the entry of largest
+/// magnitude is positive.
 pub(in super::super) fn fit<T: Real>(source: &Source<T>, settings: &PcaSettings) -> Fit {
     let side = source.len().min(source.mean.len());
     let sketch = settings.components.saturating_add(settings.oversampling).min(side);
@@ -64,8 +65,8 @@ pub(in super::super) fn fit<T: Real>(source: &Source<T>, settings: &PcaSettings)
 
 /// How many of the largest σ² are components: at most `wanted`, and none that rounding may have made.
 ///
-/// Rounding of the elements of the matrix makes singular values of about 2 ε σ_1, sums of 256 of them 16 times as much; the Gram matrix in
-/// `f64` makes eigenvalues of a few dozen of its own ε.
+/// Rounding of the elements of the matrix makes singular values of about 2 ε σ_1, sums of 256 of them 16 times as much;
+/// the Gram matrix in `f64` makes eigenvalues of a few dozen of its own ε.
 fn rank<T: Real>(values: &[f64], wanted: usize) -> usize {
     let noise = (32.0 * T::epsilon().widen()).powi(2).max(64.0 * f64::EPSILON);
     let least = values.first().map_or(0.0, |largest| largest * noise);
@@ -100,8 +101,8 @@ fn exact_fit<T: Real>(source: &Source<T>, wanted: usize) -> Fit {
 
 /// Q = orthonormal rows of Ω A (Aᵀ A)^q, Ω random; components are those of A in the span of Q.
 ///
-/// Only Q is made orthonormal, not A Qᵀ on the way back: after the first round its rows are nearly singular vectors, so that the columns of A Qᵀ are nearly
-/// orthogonal by themselves, and rounding costs what lies below ε σ_1 only.
+/// Only Q is made orthonormal, not A Qᵀ on the way back: after the first round its rows are nearly singular vectors, so
+/// that the columns of A Qᵀ are nearly orthogonal by themselves, and rounding costs what lies below ε σ_1 only.
 fn randomised_fit<T: Real>(source: &Source<T>, settings: &PcaSettings, sketch: usize) -> Fit {
     let shift = source.shift::<T>();
     let rows = source.rows(&shift);
@@ -131,7 +132,8 @@ fn randomised_fit<T: Real>(source: &Source<T>, settings: &PcaSettings, sketch: u
     Fit { components: combine(&found.vectors[..rank * kept], &q, kept), values: found.values }
 }
 
-/// `rows` × `columns` numbers in (−1, 1), a sequence for each row. Not signs: square matrices of few signs are often singular.
+/// `rows` × `columns` numbers in (−1, 1), a sequence for each row. Not signs: square matrices of few signs are often
+/// singular.
 fn random_matrix<T: Real>(rows: usize, columns: usize, seed: u64) -> Vec<T> {
     let row = |row: usize| {
         let mut random = Random::new(seed, row as u64);

@@ -17,8 +17,9 @@ pub(in super::super) struct Moments {
 }
 
 impl Moments {
-    /// Moments about the first row r: the mean is r + Σ(x − r)/n, exact where all rows are equal, and Σ(x − mean)² = Σ(x − r)² − n (mean − r)²
-    /// cancels by a factor of n at most, because r is one of the rows. In chunks of rows, folded in order.
+    /// Moments about the first row r: the mean is r + Σ(x − r)/n, exact where all rows are equal, and Σ(x − mean)² =
+    /// Σ(x − r)² − n (mean − r)² cancels by a factor of n at most, because r is one of the rows. In chunks of rows,
+    /// folded in order.
     ///
     /// # Errors
     /// [`Error::NotFinite`], [`Error::OutOfRange`] for magnitudes above 1e140, whose squares are not finite.

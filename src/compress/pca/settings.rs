@@ -6,18 +6,20 @@ pub enum Centre {
     /// The mean of the rows: components describe deviations from it.
     #[default]
     Mean,
-    /// The origin: components describe the rows themselves, as in a truncated singular value decomposition. A product with a light then has no
-    /// constant term.
+    /// The origin: components describe the rows themselves, as in a truncated singular value decomposition. A product
+    /// with a light then has no constant term.
     Origin,
 }
 
 /// How components are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PcaMethod {
-    /// [`Exact`](Self::Exact) where the smaller side of the matrix is at most twice the sketch, otherwise [`Randomised`](Self::Randomised).
+    /// [`Exact`](Self::Exact) where the smaller side of the matrix is at most twice the sketch, otherwise
+    /// [`Randomised`](Self::Randomised).
     #[default]
     Auto,
-    /// All eigenvectors of the smaller of the two Gram matrices, in `f64`. Time and memory grow with the square of the smaller side, and its cube.
+    /// All eigenvectors of the smaller of the two Gram matrices, in `f64`. Time and memory grow with the square of the
+    /// smaller side, and its cube.
     Exact,
     /// Subspace iteration from a random matrix [Halko, Martinsson & Tropp 2011, algorithm 4.4, of the transpose].
     Randomised,
@@ -33,10 +35,12 @@ pub struct PcaSettings {
     pub centre: Centre,
     /// How they are found.
     pub method: PcaMethod,
-    /// Randomised: columns of the sketch beyond the components, default 10. Too few and the last components are poor; each costs as much as a component.
+    /// Randomised: columns of the sketch beyond the components, default 10. Too few and the last components are poor;
+    /// each costs as much as a component.
     pub oversampling: usize,
-    /// Randomised: rounds of A Aᵀ, default 2. Each divides the error of what the sketch missed by the square of the ratio of singular values and costs
-    /// two products in one pass over the matrix; with none, slowly falling variances (noise) give components that are wrong by a few per cent. At most 1000.
+    /// Randomised: rounds of A Aᵀ, default 2. Each divides the error of what the sketch missed by the square of the
+    /// ratio of singular values and costs two products in one pass over the matrix; with none, slowly falling variances
+    /// (noise) give components that are wrong by a few per cent. At most 1000.
     pub power_iterations: usize,
     /// Randomised: seed of the random matrix.
     pub seed: u64,

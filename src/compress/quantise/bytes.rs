@@ -18,7 +18,8 @@ pub enum ByteBlocks {
 /// Numbers as 8 bits each.
 ///   x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
 ///
-/// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met, a block of equal numbers is exact.
+/// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met,
+/// a block of equal numbers is exact.
 ///
 /// # Example
 /// ```
@@ -43,7 +44,9 @@ impl<T: Real> QuantisedBytes<T> {
     /// Quantises a row-major matrix; for [`ByteBlocks::Runs`] `columns` may be 1. No numbers are allowed.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows, runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are whole.
+    /// [`Error::NotFinite`] for NaN and infinity; [`Error::OutOfRange`] for no columns, more than 65536 without rows,
+    /// runs of none and blocks whose max − min is more than half the largest number; [`Error::Length`] unless rows are
+    /// whole.
     pub fn new(values: &[T], columns: usize, blocks: ByteBlocks) -> Result<Self> {
         let count = count_blocks(values.len(), columns, blocks)?;
         if let Some(index) = values.iter().position(|x| !x.is_finite()) {
@@ -166,7 +169,7 @@ impl<T: Real> QuantisedBytes<T> {
         T::of(offset + step * f64::from(self.codes[i]))
     }
 
-    /// How many numbers.
+    /// How many numbers there are.
     #[inline]
     pub fn len(&self) -> usize {
         self.codes.len()
@@ -178,7 +181,7 @@ impl<T: Real> QuantisedBytes<T> {
         self.codes.is_empty()
     }
 
-    /// q of each number.
+    /// The code q of each number.
     #[inline]
     pub fn codes(&self) -> &[u8] {
         &self.codes

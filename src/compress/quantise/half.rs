@@ -6,7 +6,8 @@ use crate::{Error, Real, Result, parallel};
 
 /// The number of binary16 nearest to `x`, as its bits; halfway between two the one with an even last bit.
 ///
-/// From 65520 on infinity; below 2^−14 in steps of 2^−24 (subnormals), to ±0 at 2^−25; NaN gives a quiet NaN of the same sign. `f64` is rounded once, not by way of `f32`.
+/// From 65520 on infinity; below 2^−14 in steps of 2^−24 (subnormals), to ±0 at 2^−25; NaN gives a quiet NaN of the
+/// same sign. `f64` is rounded once, not by way of `f32`.
 ///
 /// # Example
 /// ```
@@ -35,7 +36,8 @@ pub fn real_to_half<T: Real>(x: T) -> u16 {
     let significand = magnitude & ((1 << FRACTION) - 1) | 1 << FRACTION;
     let half = 1 << (cut - 1);
     let rounded = (significand + half - 1 + (significand >> cut & 1)) >> cut;
-    // The leading 1 of a normal number adds 1 to the exponent, and so does a carry; a subnormal has neither unless it becomes normal.
+    // The leading 1 of a normal number adds 1 to the exponent, and so does a carry; a subnormal has neither unless it
+    // becomes normal.
     sign | ((((exponent.max(-14) + 14) as u64) << 10) + rounded) as u16
 }
 
@@ -111,7 +113,7 @@ impl QuantisedHalf {
         self.distortion
     }
 
-    /// 2 for each number.
+    /// The bytes in memory: 2 for each number.
     #[inline]
     pub fn bytes(&self) -> usize {
         2 * self.bits.len()

@@ -16,7 +16,7 @@ pub enum MapState {
     AllZero,
     /// 1 everywhere: the product with a map is the product without it.
     AllOne,
-    /// Neither.
+    /// The map has both values.
     Mixed,
 }
 
@@ -44,8 +44,8 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
     /// A map of `len` pixels that starts as 0 and changes at `changes`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `len` is positive and fits `I`, and the changes rise strictly
-    /// and stay below it.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `len` is positive and fits `I`, and the changes rise
+    /// strictly and stay below it.
     pub fn new(changes: &'a [I], len: usize) -> Result<Self> {
         check_map_length::<I>(len)?;
         check_changes(changes, len)?;
@@ -128,7 +128,7 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
         S::narrow(total, 1.0)
     }
 
-    /// Writes 0 and 1.
+    /// Writes the pixels of the map as 0 and 1.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.

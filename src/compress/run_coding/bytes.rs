@@ -53,8 +53,8 @@ pub fn encode_gaps<I: MapIndex>(changes: &[I], out: &mut Vec<u8>) {
 /// Appends the changes of a map of `len` pixels that `bytes`, all of them, hold as [`encode_gaps`] writes them.
 ///
 /// # Errors
-/// [`Error::Damaged`], and `changes` as they were, if the bytes end within a number, a number is longer than need be, a gap
-/// but the first is 0, or a change is not below `len`.
+/// [`Error::Damaged`], and `changes` as they were, if the bytes end within a number, a number is longer than need be, a
+/// gap but the first is 0, or a change is not below `len`.
 ///
 /// # Panics
 /// If `len` is more than `I` can hold.

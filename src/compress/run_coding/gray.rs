@@ -66,7 +66,8 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
     ///   Σ_i V_i L_i = Σ_d V_d L_int\[c_d\]                                         [Inger 2013, eq. 5, 6]
     ///
-    /// Accuracy: as [`BinaryMap::dot`](crate::compress::BinaryMap::dot), times the differences. Cost: a look-up a change.
+    /// Accuracy: as [`BinaryMap::dot`](crate::compress::BinaryMap::dot), times the differences. Cost: a look-up a
+    /// change.
     ///
     /// # Panics
     /// If `sums.len()` is not the map's.
@@ -100,7 +101,7 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
         S::narrow(total, 1.0 / f64::from(self.top))
     }
 
-    /// Writes V.
+    /// Writes the pixels of the map as V, between 0 and 1.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.
@@ -112,7 +113,7 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
         self.spans().for_each(|(span, level)| out[span].fill(T::of(f64::from(level) / top)));
     }
 
-    /// Writes the levels.
+    /// Writes the pixels of the map as levels.
     ///
     /// # Panics
     /// If `out.len()` is not the map's.
@@ -337,7 +338,8 @@ impl<I: MapIndex> GrayMaps<I> {
         stats
     }
 
-    /// The file form, as [`BinaryMaps::to_bytes`](crate::compress::BinaryMaps::to_bytes), with a byte for each new level.
+    /// The file form, as [`BinaryMaps::to_bytes`](crate::compress::BinaryMaps::to_bytes), with a byte for each new
+    /// level.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = bytes::header(bytes::GRAY, self.map_len, self.len());
         out.push(self.top);
@@ -352,8 +354,8 @@ impl<I: MapIndex> GrayMaps<I> {
     /// Reads [`to_bytes`](Self::to_bytes).
     ///
     /// # Errors
-    /// As [`BinaryMaps::from_bytes`](crate::compress::BinaryMaps::from_bytes); [`Error::Damaged`] for a level above the top
-    /// or equal to the one before it, too.
+    /// As [`BinaryMaps::from_bytes`](crate::compress::BinaryMaps::from_bytes); [`Error::Damaged`] for a level above the
+    /// top or equal to the one before it, too.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut reader = Reader::new("coded gray maps", bytes);
         let (map_len, count) = reader.header(bytes::GRAY)?;

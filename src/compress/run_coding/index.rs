@@ -64,7 +64,8 @@ pub(super) fn check_changes<I: MapIndex>(changes: &[I], len: usize) -> Result<()
     Ok(())
 }
 
-/// Where the changes of a range of maps lie, and where each of these maps' end counted from there; `ends` has those of all maps.
+/// Where the changes of a range of maps lie, and where each of these maps' end counted from there; `ends` has those of
+/// all maps.
 #[track_caller]
 pub(super) fn slice_ends(ends: &[u32], range: Range<usize>) -> (Range<usize>, Vec<u32>) {
     let place = |map: usize| if map == 0 { 0 } else { ends[map - 1] };

@@ -1,7 +1,7 @@
 //! Differential coding of maps: where a map changes, and what that is worth against partial sums of a signal.
 //!
-//! Concatenate the rows of a map V into a vector (`Scan` has better orders than rows). Its differences V_d = D V are mostly
-//! 0, and those of a binary map alternate +1, −1, so their places are enough [Inger 2013, eq. 5]:
+//! Concatenate the rows of a map V into a vector (`Scan` has better orders than rows). Its differences V_d = D V are
+//! mostly 0, and those of a binary map alternate +1, −1, so their places are enough [Inger 2013, eq. 5]:
 //!
 //! | map | changes |
 //! |---|---|

@@ -13,8 +13,8 @@ pub enum ScanOrder {
     RowMajor,
     /// Row by row, every second from the right: each pixel is a neighbour of the one before it.
     Serpentine,
-    /// Hilbert's curve, from the top left to the top right: neighbours, and any stretch of the path is a compact region.
-    /// Squares of 2^k a side.
+    /// Hilbert's curve, from the top left to the top right: neighbours, and any stretch of the path is a compact
+    /// region. Squares of 2^k a side.
     Hilbert,
 }
 
@@ -38,8 +38,8 @@ impl Scan {
     /// Plans the path through `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless there are from 1 to 2³² pixels; for Hilbert's curve [`Error::NotPowerOfTwo`] unless the
-    /// width is one, [`Error::Length`] unless the height is the same.
+    /// [`Error::OutOfRange`] unless there are from 1 to 2³² pixels; for Hilbert's curve [`Error::NotPowerOfTwo`] unless
+    /// the width is one, [`Error::Length`] unless the height is the same.
     pub fn new(order: ScanOrder, width: usize, height: usize) -> Result<Self> {
         let len = width.checked_mul(height).filter(|&len| len > 0 && len as u64 <= 1 << 32);
         let Some(len) = len else {
@@ -66,8 +66,9 @@ impl Scan {
 
     /// The same path turned about the diagonal: down columns where [`new`](Self::new) goes along rows.
     ///
-    /// An edge that is nearly level changes a path along rows in few places, one that is nearly upright a path down columns: the better
-    /// of two serpentines has half the changes of either, and little more than half of Hilbert's curve's (docs/block_product.md).
+    /// An edge that is nearly level changes a path along rows in few places, one that is nearly upright a path down
+    /// columns: the better of two serpentines has half the changes of either, and little more than half of Hilbert's
+    /// curve's (docs/block_product.md).
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -80,7 +81,7 @@ impl Scan {
         Ok(Self { order, pixels, is_row_major: false })
     }
 
-    /// The order.
+    /// The order of the path.
     #[inline]
     pub fn order(&self) -> ScanOrder {
         self.order
@@ -143,8 +144,9 @@ impl Scan {
 
 /// The row-major pixel at place `i` of the curve on `side`².
 ///
-/// From the finest digits of i in base 4 to the coarsest: the quadrants are visited in the order (0,0), (0,1), (1,1), (1,0)
-/// of (x, y), the curve in the first transposed and in the last transposed about the other diagonal, so that ends meet.
+/// From the finest digits of i in base 4 to the coarsest: the quadrants are visited in the order (0,0), (0,1), (1,1),
+/// (1,0) of (x, y), the curve in the first transposed and in the last transposed about the other diagonal, so that ends
+/// meet.
 fn hilbert(side: usize, i: usize) -> usize {
     let (mut x, mut y, mut rest, mut size) = (0, 0, i, 1);
     while size < side {

@@ -73,8 +73,8 @@ sample!(f32 f64);
 /// Compute once for each new light, for any number of blocks: what [`BinaryMap::dot`](crate::compress::BinaryMap::dot)
 /// looks up.
 ///
-/// Accuracy: summed in `f64`, rounded once. An `f32` sum so is wrong by up to 6e-8 of *itself*, and what it sums up includes
-/// pixels that a map hides: behind a sun, `f64` sums (`[f64; 3]` for RGB) keep the night sky.
+/// Accuracy: summed in `f64`, rounded once. An `f32` sum so is wrong by up to 6e-8 of *itself*, and what it sums up
+/// includes pixels that a map hides: behind a sun, `f64` sums (`[f64; 3]` for RGB) keep the night sky.
 ///
 /// # Panics
 /// If `len` is 0, `signal.len()` no multiple of it, or `out.len()` differs.

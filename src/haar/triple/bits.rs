@@ -5,11 +5,13 @@ use super::mean_tree::first_node;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
-/// A binary image (visibility, 1 = unoccluded) as bits in Morton order with the means of its 8×8 blocks and everything above.
+/// A binary image (visibility, 1 = unoccluded) as bits in Morton order with the means of its 8×8 blocks and everything
+/// above.
 ///
-/// Texel (x, y) is bit m mod 64 of word m / 64, m = the interleaved bits of x (even places) and y (odd places). Every square of the quadtree
-/// is then a run of bits, so the four means below any node are bit tests or population counts of one word, or one record of the
-/// small table above. Memory at side 64: 512 bytes of bits and 344 of table, against 21.8 kB for a float pyramid.
+/// Texel (x, y) is bit m mod 64 of word m / 64, m = the interleaved bits of x (even places) and y (odd places). Every
+/// square of the quadtree is then a run of bits, so the four means below any node are bit tests or population counts of
+/// one word, or one record of the small table above. Memory at side 64: 512 bytes of bits and 344 of table, against
+/// 21.8 kB for a float pyramid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BitPyramid {
     levels: u32,
@@ -47,7 +49,8 @@ impl BitPyramid {
     /// An image of zeros.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096 (f32 counts exactly up to 2²⁴ texels).
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096 (f32 counts exactly up to 2²⁴
+    /// texels).
     pub fn zeros(side: usize) -> Result<Self> {
         let levels = super::levels_of(side)?;
         if levels > 12 {
@@ -129,7 +132,7 @@ impl BitPyramid {
         &self.upper
     }
 
-    /// A view.
+    /// A borrowed view of this image.
     #[inline]
     pub fn view(&self) -> BitPyramidRef<'_> {
         BitPyramidRef { levels: self.levels, words: &self.words, upper: &self.upper }
@@ -200,7 +203,8 @@ impl<'a> BitPyramidRef<'a> {
     }
 }
 
-/// The four bit fields of `mask[c]`, each times `scale[c]`: shifts by powers of two done in the scale, where a vector can do them.
+/// The four bit fields of `mask[c]`, each times `scale[c]`: shifts by powers of two done in the scale, where a vector
+/// can do them.
 #[inline(always)]
 fn fields<T: Real>(bits: u32, mask: [u32; 4], scale: [f64; 4]) -> [T; 4] {
     let bits = mask.map(|mask| (bits & mask) as i32);

@@ -16,7 +16,8 @@ use crate::{Real, Result};
 pub struct Factor<T, const C: usize = 1> {
     nodes: SparseNodes<T, C>,
     means: MeanTree<T, C>,
-    /// Texels in Morton order, channel after channel; empty for one channel, whose texels are the last level of `means`.
+    /// Texels in Morton order, channel after channel; empty for one channel, whose texels are the last level of
+    /// `means`.
     planes: Vec<T>,
 }
 
@@ -74,9 +75,9 @@ impl<T: Real, const C: usize> Factor<T, C> {
 /// The third factor, kept whole.
 #[derive(Debug, Clone, Copy)]
 pub enum Visibility<'a, T> {
-    /// Any values, as a mean pyramid.
+    /// A visibility of any values, as a mean pyramid.
     Means(&'a MeanTree<T>),
-    /// 0 or 1 a texel.
+    /// A visibility of 0 or 1 a texel, as bits.
     Bits(BitPyramidRef<'a>),
 }
 
@@ -106,7 +107,8 @@ pub enum Route {
 ///   ∫∫ L B V dx dy = Σ_ijk L_i B_j V_k C_ijk                                    [Ng et al. 2004, eq. 4]
 ///
 /// Accuracy: sums in T over at most 256 nodes a list or 1024 texels, then f64. Measured against f64 texels, relative to
-/// max|L| max|B| max|V|: below 4e-7 in f32 (the rounding of the inputs to f32 included) and 1e-15 in f64, by either route.
+/// max|L| max|B| max|V|: below 4e-7 in f32 (the rounding of the inputs to f32 included) and 1e-15 in f64, by either
+/// route.
 /// Cost: see [`Route`]; [`Self::route`] picks by a fixed model of counts, never by timing.
 ///
 /// # Example
@@ -137,15 +139,15 @@ impl TripleProduct {
         Ok(Self { levels: super::levels_of(side)?, arch: Arch::new(), masked: MaskedSum::new() })
     }
 
-    /// The side.
+    /// The side of the squares, in texels.
     pub fn side(&self) -> usize {
         1 << self.levels
     }
 
     /// The route that the cost model prefers.
     ///
-    /// A function of the side, the numbers of stored nodes, the form of V and, where the two routes are close, the number of words of
-    /// bits that are not all zero; the same on every machine and at every time.
+    /// A function of the side, the numbers of stored nodes, the form of V and, where the two routes are close, the
+    /// number of words of bits that are not all zero; the same on every machine and at every time.
     ///
     /// # Panics
     /// If the visibility's side is not the plan's.
@@ -174,8 +176,8 @@ impl TripleProduct {
         if merge >= pixels {
             return Route::Pixels;
         }
-        // Words that are all zero are nearly free, so with an occluded V the texels may win after all. At least the fraction `mean` of
-        // the words is not zero: no need to count unless that would leave the texels a chance.
+        // Words that are all zero are nearly free, so with an occluded V the texels may win after all. At least the
+        // fraction `mean` of the words is not zero: no need to count unless that would leave the texels a chance.
         if let Visibility::Bits(bits) = visibility
             && words > 4
             && merge > cost.pixels_call + 10 * words
@@ -273,8 +275,8 @@ impl TripleProduct {
 
 /// Tenths of a cycle: what a call costs and what one more node (merge) or word of 64 texels (pixels) adds.
 ///
-/// Fitted to the sweep of the bench `triple_product` on one core with AVX2, 32 vertices in turn, side 16 to 128. A core with wider
-/// vectors has cheaper words, which moves the crossover towards texels by less than the same factor.
+/// Fitted to the sweep of the bench `triple_product` on one core with AVX2, 32 vertices in turn, side 16 to 128. A core
+/// with wider vectors has cheaper words, which moves the crossover towards texels by less than the same factor.
 struct Cost {
     merge_call: u64,
     node: u64,

@@ -16,10 +16,11 @@ const WIDE: usize = 32;
 
 /// Dot products under a 1-bit mask, vectorised for the machine it runs on.
 ///
-/// Texel i is kept if bit i mod 64 of word i / 64 is set; one that is not adds nothing, NaN and infinities included. Any order of texels will do as long as texels and bits share it.
-/// Spare bits of the last word are ignored. All-zero words are skipped, all-one words take a path without a mask.
-/// Accuracy: f32 texels are summed in 16 or 32 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ |terms| within
-/// 64 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
+/// Texel i is kept if bit i mod 64 of word i / 64 is set; one that is not adds nothing, NaN and infinities included.
+/// Any order of texels will do as long as texels and bits share it. Spare bits of the last word are ignored. All-zero
+/// words are skipped, all-one words take a path without a mask.
+/// Accuracy: f32 texels are summed in 16 or 32 lanes of f32 over blocks of 1024 texels, then in f64: relative to Σ
+/// |terms| within 64 · 2⁻²⁴ at worst and about 4 · 2⁻²⁴ in practice. f64 texels: the same lanes in f64.
 #[derive(Debug, Clone, Copy)]
 pub struct MaskedSum {
     arch: Arch,
@@ -32,7 +33,7 @@ impl Default for MaskedSum {
 }
 
 impl MaskedSum {
-    /// Looks up what the machine can do.
+    /// A plan for the instruction sets of the machine that it runs on.
     pub fn new() -> Self {
         Self { arch: Arch::new() }
     }

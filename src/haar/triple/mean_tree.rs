@@ -8,10 +8,10 @@ use crate::{Error, Real, Result};
 
 /// The mean pyramid of C 2D signals in quadtree order: one record for the four children of a node.
 ///
-/// Node 0 is the whole square; the children of node n are 4n + 1 … 4n + 4 in the order (0,0), (1,0), (0,1), (1,1) of (column, row).
-/// So a level's nodes follow each other in Morton order and the last level is the texels in Morton order.
-/// `blocks[n + 1][channel]` holds the means of the children of node n: one 16-byte (f32) load gives what a node of a product needs.
-/// For a row-major mean pyramid, see [`Pyramid`](super::super::Pyramid).
+/// Node 0 is the whole square; the children of node n are 4n + 1 … 4n + 4 in the order (0,0), (1,0), (0,1), (1,1) of
+/// (column, row). So a level's nodes follow each other in Morton order and the last level is the texels in Morton
+/// order. `blocks[n + 1][channel]` holds the means of the children of node n: one 16-byte (f32) load gives what a node
+/// of a product needs. For a row-major mean pyramid, see [`Pyramid`](super::super::Pyramid).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeanTree<T, const C: usize = 1> {
     levels: u32,

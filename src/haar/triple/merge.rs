@@ -1,15 +1,18 @@
 //! The flat merge: a triple-product integral from two sorted lists of nodes, without recursion.
 //!
-//! Write c_X(n) for the four child means of X at node n, a_X(n) for its mean there, δ_X = c_X − a_X. Summing by parts, node by node,
+//! Write c_X(n) for the four child means of X at node n, a_X(n) for its mean there, δ_X = c_X − a_X. Summing by parts,
+//! node by node,
 //!
 //!   mean(c_L c_B c_V) − a_L a_B a_V = mean(δ_B c_L c_V) + a_B mean(δ_L c_V)
 //!
-//! because mean(c_L c_B c_V) = mean(δ_B c_L c_V) + a_B mean(c_L c_V), mean(c_L c_V) = a_L a_V + mean(δ_L c_V). Telescoped over the tree,
+//! because mean(c_L c_B c_V) = mean(δ_B c_L c_V) + a_B mean(c_L c_V), mean(c_L c_V) = a_L a_V + mean(δ_L c_V).
+//! Telescoped over the tree,
 //!
 //!   ∫ L B V = a_L a_B a_V(root) + Σ_{n ∈ B} ⟨w_B, c_L c_V⟩(n) + Σ_{n ∈ L} a_B(n) ⟨w_L, c_V⟩(n),    w = 4^{−l−1} δ.
 //!
-//! It is the sum over tripling coefficients of [Ng et al. 2004] regrouped: the nodes that L and B share need no intersection and the
-//! six permutations h v d no shuffles. A node costs one record of V and one record (B's nodes) or one number (L's nodes) of the other factor.
+//! It is the sum over tripling coefficients of [Ng et al. 2004] regrouped: the nodes that L and B share need no
+//! intersection and the six permutations h v d no shuffles. A node costs one record of V and one record (B's nodes) or
+//! one number (L's nodes) of the other factor.
 
 use std::ops::Range;
 
@@ -25,9 +28,9 @@ const BLOCK: usize = 256;
 
 /// Four partial sums a channel.
 ///
-/// What fills them is one dispatched function (never inlined) that returns the four side by side, through memory: that makes the
-/// compiler keep them in one register of four lanes from the first node to the last. Where the sum over the lanes is in sight, it is
-/// lured into pairs, which is 1.5 times slower.
+/// They are filled by one dispatched function, which is never inlined and returns the four side by side, through
+/// memory. The compiler then keeps them in one register of four lanes from the first node to the last. If the function
+/// also added the lanes up, the compiler would work on pairs of lanes instead, which is 1.5 times slower.
 type Lanes<T, const C: usize> = [[T; 4]; C];
 
 /// Some of L's nodes, and what Σ a_B(n) ⟨w_L, c_V⟩(n) reads: a_B by node.

@@ -6,8 +6,9 @@
 //! | masked pixels | texels of L and B, V's bits | 1 cycle for 4 to 6 texels | many terms |
 //! | Ng's recursion ([`NgTripleProduct`]) | quadtrees of L and B, V's coefficients | 40 cycles a kept node or ancestor | to compare with the paper |
 //!
-//! Everything is stored in quadtree (Morton) order: squares of the tree are then runs of texels and bits. Bits instead of means of V cost twice the
-//! time of a merge and a 25th of the memory. Measured with AVX2 by the bench `triple_product`.
+//! Everything is stored in quadtree (Morton) order: squares of the tree are then runs of texels and bits. Bits instead
+//! of means of V cost twice the time of a merge and a 25th of the memory. Measured with AVX2 by the bench
+//! `triple_product`.
 //!
 //! [`TripleProduct`] picks between the first two.
 

@@ -23,7 +23,8 @@ impl<T: Real> NgTree<T> {
     /// The tree of sparse nonstandard coefficients: nodes with details and their ancestors.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless the dense length is the square of one; [`Error::OutOfRange`] above a side of 2¹⁴.
+    /// [`Error::NotPowerOfTwo`] unless the dense length is the square of one; [`Error::OutOfRange`] above a side of
+    /// 2¹⁴.
     pub fn new(coefficients: &SparseVector<T>) -> Result<Self> {
         let len = coefficients.len();
         if !len.is_power_of_two() || len.ilog2() % 2 == 1 {

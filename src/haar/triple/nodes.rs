@@ -7,9 +7,9 @@ use crate::{Error, Real, Result};
 
 /// The details of C sparse 2D signals that share one set of nodes, sorted by node.
 ///
-/// Nodes are numbered as in [`MeanTree`](super::MeanTree). For each stored node n of level l and each channel there are four
-/// weights, ¼ 4^{−l} (±h ± v ± d) 2^l: what each child's mean deviates from the node's own, times the child's area. So
-/// ∫ f g = a_f a_g + Σ_n ⟨weights_f(n), child means of g(n)⟩.
+/// Nodes are numbered as in [`MeanTree`](super::MeanTree). For each stored node n of level l and each channel there are
+/// four weights, ¼ 4^{−l} (±h ± v ± d) 2^l: what each child's mean deviates from the node's own, times the child's
+/// area. So ∫ f g = a_f a_g + Σ_n ⟨weights_f(n), child means of g(n)⟩.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SparseNodes<T, const C: usize = 1> {
     levels: u32,
@@ -26,8 +26,8 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     /// Cost: O(terms log terms).
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless the dense length is the square of one; [`Error::OutOfRange`] above a side of 2¹⁴;
-    /// [`Error::Length`] unless the channels agree; [`Error::Empty`] if there is no channel.
+    /// [`Error::NotPowerOfTwo`] unless the dense length is the square of one; [`Error::OutOfRange`] above a side of
+    /// 2¹⁴; [`Error::Length`] unless the channels agree; [`Error::Empty`] if there is no channel.
     pub fn new(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
         let Some(first) = coefficients.first() else { return Err(Error::Empty { what: "the list of channels" }) };
         let len = first.len();

@@ -26,7 +26,8 @@ impl AshikhminShirley {
     /// A surface of diffuse and specular reflectance R_d, R_s and of exponents along the tangent and the bitangent.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every channel is in [0, 1] and both exponents in [0, 1e7].
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless every channel is in [0, 1] and both exponents in [0,
+    /// 1e7].
     pub fn new(
         diffuse: impl Into<Vector3<f64>>,
         specular: impl Into<Vector3<f64>>,

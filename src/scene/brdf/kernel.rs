@@ -62,7 +62,8 @@ impl Local {
         })
     }
 
-    /// wi + wo in local coordinates, given the cosine of wi. Its z component is at least 1e-8, so that z⁴ is a normal number.
+    /// wi + wo in local coordinates, given the cosine of wi. Its z component is at least 1e-8, so that z⁴ is a normal
+    /// number.
     #[inline(always)]
     pub(super) fn half(&self, d: [f32; 3], z: f32) -> [f32; 3] {
         [dot(self.tangent, d) + self.wo[0], dot(self.bitangent, d) + self.wo[1], (z + self.wo[2]).max(1e-8)]

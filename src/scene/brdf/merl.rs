@@ -228,7 +228,8 @@ impl Brdf for Merl {
 
 /// (i_θh, i_θd, i_φd) as real numbers: in [0, 90], [0, 90], [0, 180).
 ///
-/// The difference vector is wi turned by −φ_h about z, then by −θ_h about y. At θ_h = 0, φ_h is 0 and φ_d the azimuth of wi.
+/// The difference vector is wi turned by −φ_h about z, then by −θ_h about y. At θ_h = 0, φ_h is 0 and φ_d the azimuth
+/// of wi.
 fn coordinates(wi: &Vector3<f64>, wo: &Vector3<f64>) -> [f64; 3] {
     let (h, _) = half_vector(wi, wo);
     let sin_h = h.x.hypot(h.y);

@@ -1,4 +1,7 @@
-//! Reflectance.
+//! Models of reflectance, each a [`Brdf`].
+//!
+//! *Directional albedo* is the share of the light from one direction that a model reflects. `add_cos` adds its values
+//! over a table of directions: by a kernel in `f32` of its own, or through [`Brdf::eval`] in `f64`.
 //!
 //! | model | constructor | reciprocal | directional albedo | `add_cos` |
 //! |---|---|---|---|---|
@@ -9,7 +12,7 @@
 //! | [`CookTorrance`], GGX [Walter 2007, Heitz 2014] | F₀, α_x, α_y | yes | ≤ 1 (single scattering) | f32 kernel |
 //! | [`AshikhminShirley`] [2000] | R_d, R_s, n_u, n_v | yes | ≤ 1 | through `eval` |
 //! | [`Merl`], measured [Matusik 2003] | file | as measured | as measured | through `eval` |
-//! | [`TabulatedBrdf`], any as a table | BRDF, rings | no | mean of its | through `eval` |
+//! | [`TabulatedBrdf`], any model as a table | BRDF, rings | no | that of its model, averaged over cells | through `eval` |
 //! | [`Sum`] | weights and models | as its terms | weighted sum | its terms' |
 //! | [`BrdfFn`] | a closure | as the closure | as the closure | through `eval` |
 //!
@@ -58,12 +61,13 @@ use crate::{Error, Result};
 /// `wi` and `wo` are unit and point away from the surface. Implement [`eval`](Self::eval) alone, or wrap a closure in
 /// [`BrdfFn`]; the models here override [`add_cos`](Self::add_cos) with vectorised kernels.
 ///
-/// What is NaN stays NaN: a direction of which a component is NaN or infinite gives NaN in every channel, whether or not the model reads
-/// that component, and a viewer or normal like that NaN for every direction of a table. The models here and [`BrdfFn`] see to it; an
-/// implementation that does not may give light for a direction that is none. A BRDF whose own values are NaN is refused by what bakes or
-/// renders with it.
+/// What is NaN stays NaN: a direction of which a component is NaN or infinite gives NaN in every channel, whether or
+/// not the model reads that component, and a viewer or normal like that NaN for every direction of a table. The models
+/// here and [`BrdfFn`] see to it; an implementation that does not may give light for a direction that is none. A BRDF
+/// whose own values are NaN is refused by what bakes or renders with it.
 pub trait Brdf: Debug + Send + Sync {
-    /// f(wi, wo) in RGB, 1/sr, without the cosine; zero unless both directions are above the horizon (z > 0), NaN for one that is NaN.
+    /// f(wi, wo) in RGB, 1/sr, without the cosine; zero unless both directions are above the horizon (z > 0), NaN for
+    /// one that is NaN.
     fn eval(&self, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64>;
 
     /// The colour c, largest component exactly 1, if f(wi, wo) = c · s(wi, wo) with one scalar s for all channels.
@@ -78,8 +82,8 @@ pub trait Brdf: Debug + Send + Sync {
         Structure::Opaque
     }
 
-    /// Whether f stays as it is when both directions are turned about the normal and when they are mirrored in a plane through
-    /// it. `false` where unknown.
+    /// Whether f stays as it is when both directions are turned about the normal and when they are mirrored in a plane
+    /// through it. `false` where unknown.
     fn is_isotropic(&self) -> bool {
         false
     }
@@ -93,9 +97,9 @@ pub trait Brdf: Debug + Send + Sync {
     ///
     /// `frame` is the vertex's, `wo` the unit direction to the viewer in world coordinates.
     /// Shapes: `out` is one plane of `directions.len()` values, the scalar s of [`colour`](Self::colour), if there is a
-    /// colour; or three planes, R then G then B. Directions below the horizon get nothing.
-    /// This default goes through [`eval`](Self::eval) in `f64`; see each model for the error of its kernel. A viewer or normal that is
-    /// not finite makes `out` NaN.
+    /// colour; or three planes, R then G then B. Directions below the horizon get nothing. This default goes through
+    /// [`eval`](Self::eval) in `f64`; see each model for the error of its kernel. A viewer or normal that is not finite
+    /// makes `out` NaN.
     ///
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.

@@ -129,11 +129,12 @@ impl Kernel<1> for MirrorLobe {
 ///
 ///   f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
 ///
-/// The constant makes the directional albedo at normal incidence equal to `albedo`: with c = cos(θ/2) = h·n,
-/// 2π ∫ cⁿ cos θ sin θ dθ = 8π ∫ cⁿ⁺¹ (2c² − 1) dc from √½ to 1 = 8π (n + 2^(−n/2)) / ((n + 2)(n + 4)); Giesen (2009) has
-/// the same. Away from it the albedo is smaller (tested). Reciprocal.
+/// The constant makes the directional albedo at normal incidence equal to `albedo`: with c = cos(θ/2) = h·n, 2π ∫ cⁿ
+/// cos θ sin θ dθ = 8π ∫ cⁿ⁺¹ (2c² − 1) dc from √½ to 1 = 8π (n + 2^(−n/2)) / ((n + 2)(n + 4)); Giesen (2009) has the
+/// same. Away from it the albedo is smaller (tested). Reciprocal.
 ///
-/// Accuracy of `add_cos`: |error| ≤ (4e-7 + 1e-8/cos θ_o)(1 + √n) of the lobe's peak, against `eval` (measured, n ≤ 1e4).
+/// Accuracy of `add_cos`: |error| ≤ (4e-7 + 1e-8/cos θ_o)(1 + √n) of the lobe's peak, against `eval` (measured, n ≤
+/// 1e4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlinnPhong {
     albedo: Vector3<f64>,

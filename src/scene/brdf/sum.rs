@@ -10,8 +10,8 @@ use crate::{Error, Result};
 
 /// A weighted sum of BRDFs: diffuse plus specular.
 ///
-/// Energy is the caller's: the directional albedo is at most the sum of weight × the terms' albedos. [`BrdfSpec`](super::BrdfSpec)
-/// keeps it at or below 1.
+/// Energy is the caller's: the directional albedo is at most the sum of weight × the terms' albedos.
+/// [`BrdfSpec`](super::BrdfSpec) keeps it at or below 1.
 #[derive(Debug, Clone)]
 pub struct Sum {
     terms: Vec<(f64, Arc<dyn Brdf>)>,
@@ -21,8 +21,8 @@ impl Sum {
     /// Σ weight · term.
     ///
     /// # Errors
-    /// [`Error::Empty`] without terms, [`Error::OutOfRange`] for a weight that is negative, infinite or NaN, or for sums within sums
-    /// more than 64 deep or of more than 4096 terms in all.
+    /// [`Error::Empty`] without terms, [`Error::OutOfRange`] for a weight that is negative, infinite or NaN, or for
+    /// sums within sums more than 64 deep or of more than 4096 terms in all.
     pub fn new(terms: Vec<(f64, Arc<dyn Brdf>)>) -> Result<Self> {
         if terms.is_empty() {
             return Err(Error::Empty { what: "sum of BRDFs" });

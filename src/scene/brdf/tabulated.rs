@@ -5,15 +5,17 @@ use nalgebra::Vector3;
 use super::{Brdf, off_surface};
 use crate::{Error, Result};
 
-/// A BRDF read off once at some hundred or thousand pairs of directions, for measured data whose look-ups are slow and whose
-/// resolution is no finer than that of a table [Inger 2013, §4.1].
+/// A BRDF read off once at some hundred or thousand pairs of directions, for measured data whose look-ups are slow and
+/// whose resolution is no finer than that of a table [Inger 2013, §4.1].
 ///
-/// A hemisphere is cut into `rings` rings of equal height and each ring into 4 · `rings` cells, all of the same solid angle,
-/// π/(2 rings²). An isotropic BRDF takes a row of `rings` cells for the viewer, others all of them; a cell of both directions
-/// holds the mean of 3 × 3 values over the cell of the light, seen from the middle of the viewer's. The nearest cell is read.
+/// A hemisphere is cut into `rings` rings of equal height and each ring into 4 · `rings` cells, all of the same solid
+/// angle, π/(2 rings²). An isotropic BRDF takes a row of `rings` cells for the viewer, others all of them; a cell of
+/// both directions holds the mean of 3 × 3 values over the cell of the light, seen from the middle of the viewer's. The
+/// nearest cell is read.
 ///
-/// What that loses: lobes narrower than a cell become as wide as one, the value at grazing angles is that of the lowest ring,
-/// and a table is no longer reciprocal. Bytes: 12 · 4 rings³ if isotropic, 12 · 16 rings⁴ if not (rings = 8: 24 kB, 786 kB).
+/// What that loses: lobes narrower than a cell become as wide as one, the value at grazing angles is that of the lowest
+/// ring, and a table is no longer reciprocal. Bytes: 12 · 4 rings³ if isotropic, 12 · 16 rings⁴ if not (rings = 8: 24
+/// kB, 786 kB).
 ///
 /// # Example
 /// ```
@@ -35,7 +37,7 @@ pub struct TabulatedBrdf {
 }
 
 impl TabulatedBrdf {
-    /// Reads a BRDF off.
+    /// The table of a BRDF.
     ///
     /// Cost: 9 values a cell: a few milliseconds if isotropic, some hundred if not, at 8 rings.
     ///

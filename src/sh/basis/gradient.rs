@@ -1,9 +1,12 @@
 //! The walk with derivatives.
 //!
-//! Y(x, y, z) = q(z) {Re, Im} (x + iy)^m agrees with y on the sphere, so the tangent part of its gradient is y's gradient:
+//! Y(x, y, z) = q(z) {Re, Im} (x + iy)^m agrees with y on the sphere, so the tangent part of its gradient is y's
+//! gradient:
 //!
-//!   ∂_x Y = q m {Re, Im} (x + iy)^{m−1},  ∂_y Y = q m {−Im, Re} (x + iy)^{m−1},  ∂_z Y = q' {Re, Im} (x + iy)^m
-//!   q'_l = a (q_{l−1} + z q'_{l−1}) − b q'_{l−2},  ∇y = ∇Y − (∇Y · ω) ω
+//! ```text
+//! ∂_x Y = q m {Re, Im} (x + iy)^{m−1},  ∂_y Y = q m {−Im, Re} (x + iy)^{m−1},  ∂_z Y = q' {Re, Im} (x + iy)^m
+//! q'_l = a (q_{l−1} + z q'_{l−1}) − b q'_{l−2},  ∇y = ∇Y − (∇Y · ω) ω
+//! ```
 //!
 //! Polynomials throughout: nothing is divided by the sine that vanishes at the poles.
 

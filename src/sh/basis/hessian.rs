@@ -7,7 +7,9 @@
 //! the second term because great circles bend towards −ω. With p = D²Y ω and n = ∇Y · ω that is
 //! D²Y − ωpᵀ − pωᵀ + (ω·p + n) ωωᵀ − n 1. D²Y follows from derivatives of (x + iy)^m and
 //!
-//!   q''_l = a (2 q'_{l−1} + z q''_{l−1}) − b q''_{l−2}
+//! ```text
+//! q''_l = a (2 q'_{l−1} + z q''_{l−1}) − b q''_{l−2}
+//! ```
 //!
 //! Polynomials throughout, as in [`gradient`](super::gradient).
 

@@ -1,7 +1,7 @@
 //! The walk over all (l, m) for a few points at once, and what can be done with the values on the way.
 //!
-//! y_{l,±m} = q_{l,m}(z) · {Re, Im} (x + iy)^m with q the normalised Legendre function over (1 − z²)^{m/2}, √2 included for
-//! m > 0, a polynomial in z. At fixed m:
+//! y_{l,±m} = q_{l,m}(z) · {Re, Im} (x + iy)^m with q the normalised Legendre function over (1 − z²)^{m/2}, √2 included
+//! for m > 0, a polynomial in z. At fixed m:
 //!
 //!   q_{m,m} = const,  q_{l,m} = a z q_{l−1,m} − b q_{l−2,m}
 //!   a² = (4l² − 1)/(l² − m²),  b² = (2l+1)((l−1)² − m²) / ((2l−3)(l² − m²))
@@ -9,8 +9,8 @@
 //! Upwards in l is the stable direction for |z| ≤ 1. q grows no faster than ((1+√5)/2)^l: max over m of
 //! √((l+m)!/(l−m)!)/(2^m m!) at z = 1, which peaks at m = l/√5.
 //!
-//! No fused multiply-add, and each lane is computed as a single point would be: every entry point returns the same bits on
-//! every machine.
+//! No fused multiply-add, and each lane is computed as a single point would be: every entry point returns the same bits
+//! on every machine.
 
 use crate::Real;
 
@@ -199,8 +199,8 @@ impl<T: Real, const L: usize> Visitor<T, L> for StoreRows<'_, T> {
     }
 }
 
-/// The rows of N coefficients, all of one length, from point `first` on: a place that is good in one is good in all, so one check
-/// serves them.
+/// The rows of N coefficients, all of one length, from point `first` on: a place that is good in one is good in all, so
+/// one check serves them.
 pub(in crate::sh) struct StoreFewRows<'a, T, const N: usize> {
     pub rows: [&'a mut [T]; N],
     pub first: usize,

@@ -8,11 +8,11 @@ use crate::{Error, Real, Result};
 ///
 ///   y_{l,±m} = q_{l,m}(z) {Re, Im} (x + iy)^m,  q_{l,m}(z) = √(2 − δ_{m0}) N_{lm} P_l^m(z) / (1 − z²)^{m/2}
 ///
-/// The normalised associated Legendre function without (−1)^m is q_{l,m} sin^m θ, with its factor √2 for m > 0. Dividing by the
-/// sine makes it a polynomial, which has a value at the poles.
+/// The normalised associated Legendre function without (−1)^m is q_{l,m} sin^m θ, with its factor √2 for m > 0.
+/// Dividing by the sine makes it a polynomial, which has a value at the poles.
 ///
-/// Shapes: out: bands (bands + 1)/2. Accuracy: that of [`Basis`](super::Basis), whose values have the same bits. One shot: allocates
-/// its tables.
+/// Shapes: out: bands (bands + 1)/2. Accuracy: that of [`Basis`](super::Basis), whose values have the same bits. One
+/// shot: allocates its tables.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] if `bands` is 0 or more than [`Basis::max_bands`](super::Basis::max_bands).

@@ -26,10 +26,9 @@ pub use self::legendre::associated_legendre;
 /// machine and for any number of points in the call.
 ///
 /// Shapes: directions are unit vectors (x, y, z), in batches three slices of one length; they are neither checked nor
-/// normalised, and one whose length is off by δ moves degree l by up to l² δ/2 near the poles. That is also the limit of `f32`:
-/// its unit vectors are known to 6e-8.
-/// NaN in z reaches all coefficients but those with l = |m|, NaN in x or y all with m ≠ 0: the others do not read it. It reaches
-/// every sum over two bands or more.
+/// normalised, and one whose length is off by δ moves degree l by up to l² δ/2 near the poles. That is also the limit
+/// of `f32`: its unit vectors are known to 6e-8. NaN in z reaches all coefficients but those with l = |m|, NaN in x or
+/// y all with m ≠ 0: the others do not read it. It reaches every sum over two bands or more.
 ///
 /// # Example
 /// ```
@@ -59,7 +58,7 @@ pub fn eval<T: Real>(bands: usize, direction: &Vector3<T>) -> Result<Vec<T>> {
 }
 
 impl<T: Real> Basis<T> {
-    /// The plan for `bands`.
+    /// A plan for expansions of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or more than [`max_bands`](Self::max_bands).
@@ -90,8 +89,9 @@ impl<T: Real> Basis<T> {
 
     /// All y_i at one direction.
     ///
-    /// Accuracy, worst over the sphere and beside the poles, against the normalised direction: `f64` 1.4e-15 at 6 bands, 8e-15 at
-    /// 12, 4e-13 at 64; `f32` 5e-7 at 6 bands, 5e-6 at 21, 8e-5 at 51. It grows as bands^2.5, which is the rounding of
+    /// Accuracy, worst over the sphere and beside the poles, against the normalised direction: `f64` 1.4e-15 at 6
+    /// bands, 8e-15 at 12, 4e-13 at 64; `f32` 5e-7 at 6 bands, 5e-6 at 21, 8e-5 at 51. It grows as bands^2.5, which is
+    /// the rounding of
     /// |direction| times the slope.
     ///
     /// # Panics
@@ -143,8 +143,8 @@ impl<T: Real> Basis<T> {
 
     /// The values of f = Σ c_i y_i at many directions, basis values never stored.
     ///
-    /// Cost, counted: about 2.5 multiplications a coefficient and point; [`eval_rows`](Self::eval_rows) and a dot product have 3.5, and
-    /// a store and a load.
+    /// Cost, counted: about 2.5 multiplications a coefficient and point; [`eval_rows`](Self::eval_rows) and a dot
+    /// product have 3.5, and a store and a load.
     ///
     /// # Panics
     /// If the slices of points and `out` differ in length or `coefficients.len()` is not bands².
@@ -170,8 +170,8 @@ impl<T: Real> Basis<T> {
 
     /// Adds Σ_p w_p y_i(p) to `out[channel][i]`, for C channels of weights in one pass over the basis.
     ///
-    /// With w = f · solid angle this is projection. C = 0 does nothing. Sums are held in T for
-    /// at most 64 points a lane, then in `f64`; the order of summation depends on neither machine nor threads. Allocates once a call.
+    /// With w = f · solid angle this is projection. C = 0 does nothing. Sums are held in T for at most 64 points a
+    /// lane, then in `f64`; the order of summation depends on neither machine nor threads. Allocates once a call.
     ///
     /// # Panics
     /// If the slices of points and weights differ in length or an `out` is not bands² long.
@@ -192,8 +192,8 @@ impl<T: Real> Basis<T> {
 
     /// All y_i and their gradients at one direction.
     ///
-    /// The gradient is the one on the sphere: of y(r/|r|) at |r| = 1, tangent to the sphere (∇y · ω = 0), finite everywhere.
-    /// That of the solid harmonic r^l y is ∇y + l y ω.
+    /// The gradient is the one on the sphere: of y(r/|r|) at |r| = 1, tangent to the sphere (∇y · ω = 0), finite
+    /// everywhere. That of the solid harmonic r^l y is ∇y + l y ω.
     ///
     /// Accuracy: `f64`, ∫ |∇y|² = l(l+1) to 1e-12 at 40 bands; `f32` 1e-5 at 11 bands.
     ///
@@ -207,8 +207,8 @@ impl<T: Real> Basis<T> {
         walk_gradient(&self.table, self.bands, d, &mut GradientPoint { values, gradients });
     }
 
-    /// All y_i and their gradients at many directions, a row for each coefficient as in [`eval_rows`](Self::eval_rows), a slice for
-    /// each component; the gradient is that of [`gradient`](Self::gradient).
+    /// All y_i and their gradients at many directions, a row for each coefficient as in [`eval_rows`](Self::eval_rows),
+    /// a slice for each component; the gradient is that of [`gradient`](Self::gradient).
     ///
     /// # Panics
     /// If the three slices differ in length or an output's length is not bands² times it.
@@ -222,10 +222,12 @@ impl<T: Real> Basis<T> {
         self.arch.dispatch(Batch(GradientsRows { basis: self, d: [x, y, z], values, gradients }));
     }
 
-    /// All y_i, their gradients, and their Hessians on the sphere at one direction; values and gradients as [`gradient`](Self::gradient)'s.
+    /// All y_i, their gradients, and their Hessians on the sphere at one direction; values and gradients as
+    /// [`gradient`](Self::gradient)'s.
     ///
-    /// The Hessian is the covariant one, a symmetric matrix in Cartesian coordinates with H ω = 0: uᵀHu is the second derivative along the
-    /// great circle that leaves in the unit tangent u. Its trace is −l(l+1) y. Finite everywhere. The Cartesian Hessian of y(r/|r|) at
+    /// The Hessian is the covariant one, a symmetric matrix in Cartesian coordinates with H ω = 0: uᵀHu is the second
+    /// derivative along the great circle that leaves in the unit tangent u. Its trace is −l(l+1) y. Finite everywhere.
+    /// The Cartesian Hessian of y(r/|r|) at
     /// |r| = 1 is H − ω∇yᵀ − ∇y ωᵀ.
     ///
     /// # Panics
@@ -245,8 +247,9 @@ impl<T: Real> Basis<T> {
         walk_hessian(&self.table, self.bands, d, &mut HessianPoint { values, gradients, hessians });
     }
 
-    /// All y_i, their gradients and Hessians at many directions, a row for each coefficient as in [`eval_rows`](Self::eval_rows), a slice
-    /// for each component: x, y, z, and xx, xy, xz, yy, yz, zz of the Hessian that [`hessian`](Self::hessian) defines.
+    /// All y_i, their gradients and Hessians at many directions, a row for each coefficient as in
+    /// [`eval_rows`](Self::eval_rows), a slice for each component: x, y, z, and xx, xy, xz, yy, yz, zz of the Hessian
+    /// that [`hessian`](Self::hessian) defines.
     ///
     /// # Panics
     /// If the three slices differ in length or an output's length is not bands² times it.

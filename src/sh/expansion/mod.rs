@@ -15,16 +15,17 @@ mod sealed {
     pub trait Sealed {}
 }
 
-/// An expansion of 1 to 8 bands as an array: `[T; 1]`, `[T; 4]`, `[T; 9]`, `[T; 16]`, `[T; 25]`, `[T; 36]`, `[T; 49]`, `[T; 64]` of
-/// `f32` or `f64`.
+/// An expansion of 1 to 8 bands as an array: `[T; 1]`, `[T; 4]`, `[T; 9]`, `[T; 16]`, `[T; 25]`, `[T; 36]`, `[T; 49]`,
+/// `[T; 64]` of `f32` or `f64`.
 ///
-/// For code that has one vector at a time, as a shader has: no plan to keep, no lengths to go wrong. Where there are many vectors,
-/// [`Basis::eval_rows`](super::Basis::eval_rows), [`Product::batch`], [`Rotation`](super::Rotation) and [`Rotator::batch`] take a fraction of
-/// the time for each.
+/// For code that has one vector at a time, as a shader has: no plan to keep, no lengths to go wrong. Where there are
+/// many vectors, [`Basis::eval_rows`](super::Basis::eval_rows), [`Product::batch`], [`Rotation`](super::Rotation) and
+/// [`Rotator::batch`] take a fraction of the time for each.
 ///
-/// Values of any size, and products, squares and rotations by matrices of up to three bands, are inlined: in a loop over arrays the compiler
-/// may put several vectors side by side. From four bands on they keep constants, which the first call computes and allocates; later calls
-/// do not allocate. Only rotations, and products of seven and eight bands, choose between instruction sets when called.
+/// Values of any size, and products, squares and rotations by matrices of up to three bands, are inlined: in a loop
+/// over arrays the compiler may put several vectors side by side. From four bands on they keep constants, which the
+/// first call computes and allocates; later calls do not allocate. Only rotations, and products of seven and eight
+/// bands, choose between instruction sets when called.
 ///
 /// Layout, signs and scale are those of the module: index l(l+1) + m, orthonormal, no Condon–Shortley phase.
 /// Sealed, so that it can grow.
@@ -65,8 +66,9 @@ pub trait Expansion: Copy + Send + Sync + sealed::Sealed + 'static {
 
     /// (Rf)(ω) = f(R⁻¹ω): a lobe about d becomes the lobe about Rd.
     ///
-    /// Up to three bands R itself is applied, to a vector and to a quadratic form, whose degree is rounded even where R is 1. From four on it is [`Rotator::apply`], with its bits;
-    /// there is what becomes of matrices that are not quite orthogonal.
+    /// Up to three bands R itself is applied, to a vector and to a quadratic form, whose degree is rounded even where R
+    /// is 1. From four on it is [`Rotator::apply`], with its bits; there is what becomes of matrices that are not quite
+    /// orthogonal.
     fn rotate(&self, rotation: &Rotation3<Self::Scalar>) -> Self;
 
     /// [`rotate`](Self::rotate) by a quaternion; the same bits as [`Rotator::apply_quaternion`].

@@ -21,7 +21,8 @@ pub enum CapFit {
         /// ε, as a share of the largest eigenvalue.
         floor: f64,
     },
-    /// exp point by point: the f with ∫ exp(f) y_l = g_l, which exists for every angle and clips nothing. Up to a hemisphere.
+    /// exp point by point: the f with ∫ exp(f) y_l = g_l, which exists for every angle and clips nothing. Up to a
+    /// hemisphere.
     Grid,
 }
 
@@ -36,12 +37,13 @@ impl Default for CapFit {
 ///
 ///   f(θ) = log g(θ),  g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1)     [Sun 2008, eq. 5.36]
 ///
-/// It is zonal: n coefficients (l, 0), to be turned to the disc's direction; logarithms of several discs add up. Tabulated is f_l/(1 − cos θ),
-/// which is finite at θ = 0, in pieces that end where f has a kink: where the clipping of an eigenvalue sets in (1.13, 0.854, 0.571 for bands 3, 4, 6)
-/// and where another one follows.
+/// It is zonal: n coefficients (l, 0), to be turned to the disc's direction; logarithms of several discs add up.
+/// Tabulated is f_l/(1 − cos θ), which is finite at θ = 0, in pieces that end where f has a kink: where the clipping of
+/// an eigenvalue sets in (1.13, 0.854, 0.571 for bands 3, 4, 6) and where another one follows.
 ///
-/// Accuracy: the table is within 2e-6 (1 − cos θ) of the logarithm ([`CapFit::Grid`]: 2e-5). Cost: 16 multiplications a coefficient. Range: θ is taken as 0 if less
-/// and as [`largest`](Self::largest) if more; spheres seen from outside are below π/2.
+/// Accuracy: the table is within 2e-6 (1 − cos θ) of the logarithm ([`CapFit::Grid`]: 2e-5). Cost: 16 multiplications a
+/// coefficient. Range: θ is taken as 0 if less and as [`largest`](Self::largest) if more; spheres seen from outside are
+/// below π/2.
 ///
 /// # Example
 /// ```
@@ -69,10 +71,12 @@ impl<T: Real> CapLog<T> {
         self.table.end()
     }
 
-    /// The table of `bands`. Cost, measured on one core: 3 ms at 4 bands, 0.03 s at 8, 0.5 s at 16, 7 s at 32; it grows as bands⁴.
+    /// The table of `bands`. Cost, measured on one core: 3 ms at 4 bands, 0.03 s at 8, 0.5 s at 16, 7 s at 32; it grows
+    /// as bands⁴.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is not in 1…32 (1…8 for [`CapFit::Grid`]), or the floor is not above 0 and below 1.
+    /// [`Error::OutOfRange`] if `bands` is not in 1…32 (1…8 for [`CapFit::Grid`]), or the floor is not above 0 and
+    /// below 1.
     pub fn new(bands: usize, fit: CapFit) -> Result<Self> {
         check_bands(bands)?;
         let over = |log: Vec<f64>, theta: f64| {
@@ -104,7 +108,8 @@ impl<T: Real> CapLog<T> {
         self.bands
     }
 
-    /// The largest difference between the table and what it tabulates, f_l/(1 − cos θ), at the points where that was tried.
+    /// The largest difference between the table and what it tabulates, f_l/(1 − cos θ), at the points where that was
+    /// tried.
     pub fn error(&self) -> f64 {
         self.error
     }
@@ -162,8 +167,8 @@ impl Density {
 
     /// The f with ∫ (exp(f) − 1) y_l = `less_one`.
     ///
-    /// It is the minimum of ∫ exp(f) − f·g, which is convex and has one for every g of a bounded function that is positive somewhere (the
-    /// maximum-entropy problem); Newton's steps, shortened far from it.
+    /// It is the minimum of ∫ exp(f) − f·g, which is convex and has one for every g of a bounded function that is
+    /// positive somewhere (the maximum-entropy problem); Newton's steps, shortened far from it.
     fn fit(&self, less_one: &[f64]) -> Result<Vec<f64>> {
         const STEPS: usize = 400;
         let mut f = DVector::<f64>::zeros(self.bands);

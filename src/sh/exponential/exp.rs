@@ -19,7 +19,8 @@ pub enum ExpMethod {
         /// p, 0…16.
         degree: usize,
     },
-    /// PS*-p: e^{f_0/√4π} times the 2^s-th power, by s squarings, of the even/odd series of f̂/2^s [Sun 2008, eqs. 5.25–5.27].
+    /// PS*-p: e^{f_0/√4π} times the 2^s-th power, by s squarings, of the even/odd series of f̂/2^s [Sun 2008, eqs.
+    /// 5.25–5.27].
     ScaledSeries {
         /// p, 0…16.
         degree: usize,
@@ -28,8 +29,8 @@ pub enum ExpMethod {
     OptimalLinear,
     /// HYB: OL of f̂/2^s and s squarings.
     Hybrid,
-    /// exp(M_f)·1, the limit of the series, by [`ProductSpectrum`] in f64 [Sun 2008, eq. 5.31]. Allocates; where the eigenvectors do not converge,
-    /// PS*-9.
+    /// exp(M_f)·1, the limit of the series, by [`ProductSpectrum`] in f64 [Sun 2008, eq. 5.31]. Allocates; where the
+    /// eigenvectors do not converge, PS*-9.
     Eigen,
     /// exp point by point on the grid of [`GridFunction::new`].
     Grid,
@@ -52,15 +53,15 @@ impl Default for ExpMethod {
 /// | ‖f̂‖ ≲ 1 and no time | `OptimalLinear` | 0.082, 0.138, 0.189, 0.191 |
 /// | the limit of the series, to compare | `Eigen` | 0.051, 0.050, 0.052, 0.051 |
 ///
-/// The errors are relative, in L², against the projected visibility of unions of 1 to 8 discs of 0.2 to 0.75 rad; multiplying the discs'
-/// visibilities has 0.047, 0.039, 0.032, 0.029 (`cargo run --release --features io --example sh_exp`, which has them by ‖f̂‖). More terms than 2
-/// change nothing: it is the products' truncation that is left. `Grid` on logarithms made for products is worse (0.088 at 6 bands): each exp
-/// wants its own log.
+/// The errors are relative, in L², against the projected visibility of unions of 1 to 8 discs of 0.2 to 0.75 rad;
+/// multiplying the discs' visibilities has 0.047, 0.039, 0.032, 0.029
+/// (`cargo run --release --features io --example sh_exp`, which has them by ‖f̂‖). More terms than 2 change nothing: it
+/// is the products' truncation that is left. `Grid` on logarithms made for products is worse (0.088 at 6 bands): each
+/// exp wants its own log.
 ///
 /// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate (but for [`ExpMethod::Eigen`]).
-/// Range: finite f give finite results with every method but `Series`: those beyond the largest T are held at it (by `Grid` the values of
-/// exp are, at e^85 in `f32`, e^705 in `f64`). NaN or infinity anywhere in f gives
-/// NaN everywhere.
+/// Range: finite f give finite results with every method but `Series`: those beyond the largest T are held at it (by
+/// `Grid` the values of exp are, at e^85 in `f32`, e^705 in `f64`). NaN or infinity anywhere in f gives NaN everywhere.
 ///
 /// # Example
 /// ```
@@ -88,10 +89,10 @@ enum Form<T> {
 }
 
 impl<T: Real> Exponential<T> {
-    /// The plan.
+    /// A plan of exp for expansions of `bands` bands.
     ///
-    /// Cost: microseconds to milliseconds; of `OptimalLinear` and `Hybrid` above 8 bands, of which the crate has no tables, that of
-    /// [`OptimalLinear::fit`].
+    /// Cost: microseconds to milliseconds; of `OptimalLinear` and `Hybrid` above 8 bands, of which the crate has no
+    /// tables, that of [`OptimalLinear::fit`].
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32 or a degree is above 16.
@@ -116,8 +117,8 @@ impl<T: Real> Exponential<T> {
 
     /// With f̂ scaled down to this norm instead of 1/8, for PS*-p and HYB: at 1/2 there are two squarings fewer.
     ///
-    /// Rounding grows with the number of squarings, as eps ‖f̂‖/norm; the series' own error at 1/8 is long below it, which is
-    /// why norms below 1/1000 are refused.
+    /// Rounding grows with the number of squarings, as eps ‖f̂‖/norm; the series' own error at 1/8 is long below it,
+    /// which is why norms below 1/1000 are refused.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless it is in [0.001, 8].
@@ -171,7 +172,8 @@ impl<T: Real> Exponential<T> {
     /// [`apply`](Self::apply).
     ///
     /// # Panics
-    /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than [`scratch_len`](Self::scratch_len).
+    /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than
+    /// [`scratch_len`](Self::scratch_len).
     #[track_caller]
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         check_length("logarithms", (self.bands * self.bands).saturating_mul(count), f.len());
@@ -380,7 +382,8 @@ impl<T: Real> Scaled<T> {
         }
     }
 
-    /// One vector whose powers may overflow: each is kept at a largest coefficient of 1, with the logarithm of its scale beside it.
+    /// One vector whose powers may overflow: each is kept at a largest coefficient of 1, with the logarithm of its
+    /// scale beside it.
     fn far(&self, f: &[T], out: &mut [T], buffers: &mut [T]) {
         if f.iter().any(|x| !x.is_finite()) {
             return out.fill(T::nan());

@@ -21,14 +21,14 @@ const MOST_ORDERS: usize = 63;
 ///
 ///   out_i = Σ_p w_p h(f(ω_p)) y_i(ω_p) ≈ ∫ h(f(ω)) y_i(ω) dω                  [Sun 2008, eq. 5.15, the integral as a sum]
 ///
-/// 2·bands Gauss–Legendre rings of 4·bands points: exact where h(f) y_i has degree up to 4·bands − 1, as for a square; otherwise the
-/// more rings the closer ([`with_rings`](Self::with_rings)). Where the products of [`ProductSeries`](super::ProductSeries)
-/// are truncated each time, this is truncated once.
+/// 2·bands Gauss–Legendre rings of 4·bands points: exact where h(f) y_i has degree up to 4·bands − 1, as for a square;
+/// otherwise the more rings the closer ([`with_rings`](Self::with_rings)). Where the products of
+/// [`ProductSeries`](super::ProductSeries) are truncated each time, this is truncated once.
 ///
-/// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Cost: counted, for rings R of A points about R (2·bands² + A·bands) multiplications, and
-/// R·A calls of h: the sums are separate in z and azimuth, and folded by the symmetries ±x, ±y, ±z of the grid.
-/// NaN or infinity anywhere in f, or NaN of h at a point, gives NaN everywhere; so may an f so large that its values overflow (of a
-/// largest coefficient above T's largest number over bands²).
+/// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Cost: counted, for rings R of A points about R
+/// (2·bands² + A·bands) multiplications, and R·A calls of h: the sums are separate in z and azimuth, and folded by the
+/// symmetries ±x, ±y, ±z of the grid. NaN or infinity anywhere in f, or NaN of h at a point, gives NaN everywhere; so
+/// may an f so large that its values overflow (of a largest coefficient above T's largest number over bands²).
 ///
 /// # Example
 /// ```
@@ -172,8 +172,8 @@ impl<T: Real, H: Fn(T) -> T> Pointwise<T> for Closure<H> {
 struct Exp;
 
 impl<T: Real> Pointwise<T> for Exp {
-    /// e^x is at its ends beyond ±708, so that only values within rounding of 0 tell a coefficient of 1e30 from a larger one; sums of
-    /// up to 1e8 such terms are finite.
+    /// e^x is at its ends beyond ±708, so that only values within rounding of 0 tell a coefficient of 1e30 from a
+    /// larger one; sums of up to 1e8 such terms are finite.
     #[inline(always)]
     fn tame<const L: usize>(&self, expansions: &mut [[T; L]]) {
         let most = T::of(1e30);

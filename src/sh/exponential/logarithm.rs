@@ -8,17 +8,18 @@ use super::zonal::{Zonal, check_largest, log_ratio};
 use crate::sh::Product;
 use crate::{Error, Real, Result};
 
-/// How a logarithm avoids what has none.
+/// How a logarithm treats values that are 0 or negative, which have none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LogMethod {
-    /// The inverse of exp by products: eigenvalues of M_g below `floor` times the largest of them are raised to that [Sun 2008, eqs. 5.33, 5.35].
+    /// The inverse of exp by products: eigenvalues of M_g below `floor` times the largest of them are raised to that
+    /// [Sun 2008, eqs. 5.33, 5.35].
     Eigenvalues {
         /// ε, as a share of the largest eigenvalue.
         floor: f64,
     },
-    /// log(max(g, floor · max g)) point by point on a grid [Sun 2008, eq. 5.28], for comparison: the inverse of no truncated exp, and
-    /// the kink at the floor rings.
+    /// log(max(g, floor · max g)) point by point on a grid [Sun 2008, eq. 5.28], for comparison: the inverse of no
+    /// truncated exp, and the kink at the floor rings.
     Clipped {
         /// ε, as a share of the largest value on the grid.
         floor: f64,
@@ -36,11 +37,12 @@ impl Default for LogMethod {
 ///
 ///   log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
 ///
-/// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back to some 1e-5 (M of log g is not log of M_g but for the
-/// first column). The largest eigenvalue is that of all of M_g.
+/// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back to some 1e-5 (M of log g is not log
+/// of M_g but for the first column). The largest eigenvalue is that of all of M_g.
 ///
-/// Shapes: g, out: bands², index l(l+1)+m. Accuracy: 1e-11 of golden values in f64. Cost: about 10 bands⁶ operations and allocations: for
-/// precomputation. A vector about the z axis is cheap by [`apply_zonal`](Self::apply_zonal); discs are tabulated by [`CapLog`](super::CapLog).
+/// Shapes: g, out: bands², index l(l+1)+m. Accuracy: 1e-11 of golden values in f64. Cost: about 10 bands⁶ operations
+/// and allocations: for precomputation. A vector about the z axis is cheap by [`apply_zonal`](Self::apply_zonal); discs
+/// are tabulated by [`CapLog`](super::CapLog).
 ///
 /// # Example
 /// ```
@@ -62,7 +64,7 @@ pub struct Logarithm {
 }
 
 impl Logarithm {
-    /// Logarithms of `bands` bands.
+    /// A plan of log for expansions of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32, or the floor is not above 0 and below 1.
@@ -93,9 +95,9 @@ impl Logarithm {
     /// `out` = log g.
     ///
     /// # Errors
-    /// [`Error::Length`] if `g.len()` or `out.len()` is not bands², [`Error::NotFinite`] if g has NaN or infinity, [`Error::OutOfRange`] if
-    /// nothing of g is positive (the largest eigenvalue or value, as of the zero vector, which is the visibility of nothing at all:
-    /// give what is hidden everywhere a small constant instead).
+    /// [`Error::Length`] if `g.len()` or `out.len()` is not bands², [`Error::NotFinite`] if g has NaN or infinity,
+    /// [`Error::OutOfRange`] if nothing of g is positive (the largest eigenvalue or value, as of the zero vector, which
+    /// is the visibility of nothing at all: give what is hidden everywhere a small constant instead).
     pub fn apply<T: Real>(&self, g: &[T], out: &mut [T]) -> Result<()> {
         let size = self.bands * self.bands;
         let g: Vec<f64> = g.iter().map(|x| x.widen()).collect();
@@ -130,8 +132,8 @@ impl Logarithm {
         Ok(log)
     }
 
-    /// The same of a function of z alone: `g` and `out` are the coefficients (l, 0), one for each band. M_g falls into a block for each order m: about
-    /// bands⁴ operations.
+    /// The same of a function of z alone: `g` and `out` are the coefficients (l, 0), one for each band. M_g falls into
+    /// a block for each order m: about bands⁴ operations.
     ///
     /// # Errors
     /// As [`apply`](Self::apply), for lengths of bands.

@@ -17,12 +17,12 @@ const TOLERANCE: f64 = 1e-6;
 ///
 ///   a = (exp_*(f̂)·1)/4π,  b = (exp_*(f̂)·f̂)/‖f̂‖²,  f = log of a disc's visibility, f̂ = f without f_0
 ///
-/// (Not in the thesis, which names it only: see docs/errata.md.) The least-squares fit to exp_*(f̂) = exp(M_f̂)·1, as 1·f̂ = 0. Tabulated over the angle of
-/// the disc, 0 to a right angle, against x = ‖f̂‖; logarithms by eigenvalues with floor 0.02. Beyond the largest disc's x, a and b
-/// stay what they are there.
+/// (Not in the thesis, which names it only: see docs/errata.md.) The least-squares fit to exp_*(f̂) = exp(M_f̂)·1, as
+/// 1·f̂ = 0. Tabulated over the angle of the disc, 0 to a right angle, against x = ‖f̂‖; logarithms by eigenvalues with
+/// floor 0.02. Beyond the largest disc's x, a and b stay what they are there.
 ///
-/// Accuracy: the tables are within 2e-6 of what they tabulate, 2e-7 below x = 1/8. The method itself: use it for x ≲ 1, or as the
-/// seed of [`ExpMethod::Hybrid`](super::ExpMethod::Hybrid).
+/// Accuracy: the tables are within 2e-6 of what they tabulate, 2e-7 below x = 1/8. The method itself: use it for x ≲ 1,
+/// or as the seed of [`ExpMethod::Hybrid`](super::ExpMethod::Hybrid).
 ///
 /// # Example
 /// ```
@@ -49,8 +49,8 @@ impl OptimalLinear {
         }
     }
 
-    /// Fits the tables: what the crate's were made by. Cost, measured on one core: 0.04 s at 8 bands, 0.4 s at 16, 7 s at 32; it grows as
-    /// bands⁴.
+    /// Fits the tables: what the crate's were made by. Cost, measured on one core: 0.04 s at 8 bands, 0.4 s at 16, 7 s
+    /// at 32; it grows as bands⁴.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is not in 1…32.
@@ -105,8 +105,8 @@ impl OptimalLinear {
         [1.0 + out[0] * (x * x / (1.0 + x * x)), 1.0 + out[1] * (x / (1.0 + x))]
     }
 
-    /// The numbers of the table: the ends of its pieces, and for each piece the Chebyshev coefficients c_0…c_7 of α and β in turn,
-    /// a = 1 + α x²/(1 + x²), b = 1 + β x/(1 + x).
+    /// The numbers of the table: the ends of its pieces, and for each piece the Chebyshev coefficients c_0…c_7 of α and
+    /// β in turn, a = 1 + α x²/(1 + x²), b = 1 + β x/(1 + x).
     pub fn table(&self) -> (&[f64], &[f64]) {
         (self.table.breaks(), self.table.terms())
     }
@@ -131,7 +131,8 @@ impl Discs {
         Ok(vec![x, alpha, beta])
     }
 
-    /// The angles up to which x(θ) rises from 0, at whose ends x has kinks; to just below the top if there is one, as x is flat there.
+    /// The angles up to which x(θ) rises from 0, at whose ends x has kinks; to just below the top if there is one, as x
+    /// is flat there.
     fn rising(&self) -> Result<Vec<f64>> {
         const STEPS: usize = 400;
         let x = |k: usize| Ok::<f64, Error>(self.optimum(LARGEST * k as f64 / STEPS as f64)?[0]);

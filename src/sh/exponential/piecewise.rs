@@ -8,7 +8,8 @@ use crate::Result;
 /// Coefficients of each function on each piece.
 pub(super) const TERMS: usize = 8;
 
-/// Functions of x as Chebyshev polynomials of degree 7 on pieces of an interval; beyond its ends they stay as they are there.
+/// Functions of x as Chebyshev polynomials of degree 7 on pieces of an interval; beyond its ends they stay as they are
+/// there.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Piecewise {
     functions: usize,
@@ -28,8 +29,9 @@ impl Piecewise {
         Self { functions, breaks: breaks.into(), terms: terms.into() }
     }
 
-    /// Tabulates `f`, which is smooth between the `breaks`: halves a piece until every function is met within `tolerance` at
-    /// twice as many points, or the piece is shorter than 1e-5 of the whole. Also returns the largest difference seen.
+    /// Tabulates `f`, which is smooth between the `breaks`: halves a piece until every function is met within
+    /// `tolerance` at twice as many points, or the piece is shorter than 1e-5 of the whole. Also returns the largest
+    /// difference seen.
     pub(super) fn fit(
         functions: usize,
         breaks: &[f64],

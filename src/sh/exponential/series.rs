@@ -36,8 +36,8 @@ impl<T: Real> Multiplier<T> {
 pub enum Powers {
     /// f^{k*} = f^{(k−1)*} * f, from left to right: degree − 1 products.
     LeftToRight,
-    /// Even powers f² = f*f, f⁴ = f²*f², f⁶ = f⁴*f², …, the odd ones with one more product: (degree + 1)/2 products for an odd
-    /// degree, degree/2 + 1 for an even one from 4, one for degree 2.
+    /// Even powers f² = f*f, f⁴ = f²*f², f⁶ = f⁴*f², …, the odd ones with one more product: (degree + 1)/2 products for
+    /// an odd degree, degree/2 + 1 for an even one from 4, one for degree 2.
     EvenOdd,
 }
 
@@ -45,11 +45,13 @@ pub enum Powers {
 ///
 ///   h_*(f) = h_0 1 + h_1 f + h_2 f*f + h_3 f*f*f + …              [Sun 2008, eqs. 5.20, 5.27; the counts are corrected]
 ///
-/// The limit of infinitely many terms is h(M_f)·1, M_f the product matrix, which [`ProductSpectrum`](super::ProductSpectrum) gives: a series of
-/// [`Powers::LeftToRight`] is a polynomial of M_f; [`Powers::EvenOdd`] truncates fewer times.
+/// The limit of infinitely many terms is h(M_f)·1, M_f the product matrix, which
+/// [`ProductSpectrum`](super::ProductSpectrum) gives: a series of [`Powers::LeftToRight`] is a polynomial of M_f;
+/// [`Powers::EvenOdd`] truncates fewer times.
 ///
-/// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Accuracy: rounding of 2e-15 Σ |h_k| ‖f‖^k; the truncation of products and series is the
-/// method's. Results beyond the range of T are infinite or NaN; NaN in f reaches what its products reach.
+/// Shapes: f, out: bands², index l(l+1)+m. Calls do not allocate. Accuracy: rounding of 2e-15 Σ |h_k| ‖f‖^k; the
+/// truncation of products and series is the method's. Results beyond the range of T are infinite or NaN; NaN in f
+/// reaches what its products reach.
 ///
 /// # Example
 /// ```
@@ -81,8 +83,8 @@ impl<T: Real> ProductSeries<T> {
     /// The series with these h_0, h_1, …
     ///
     /// # Errors
-    /// [`Error::Empty`] without coefficients, [`Error::OutOfRange`] if there are more than 17 of them or `bands` is not in 1…32,
-    /// [`Error::NotFinite`] for a coefficient that is NaN or infinite.
+    /// [`Error::Empty`] without coefficients, [`Error::OutOfRange`] if there are more than 17 of them or `bands` is not
+    /// in 1…32, [`Error::NotFinite`] for a coefficient that is NaN or infinite.
     pub fn new(bands: usize, coefficients: &[f64], powers: Powers) -> Result<Self> {
         check_bands(bands)?;
         if coefficients.is_empty() {
@@ -152,7 +154,8 @@ impl<T: Real> ProductSeries<T> {
     /// [`apply`](Self::apply).
     ///
     /// # Panics
-    /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than [`scratch_len`](Self::scratch_len).
+    /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than
+    /// [`scratch_len`](Self::scratch_len).
     #[track_caller]
     pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;

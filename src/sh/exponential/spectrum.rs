@@ -10,11 +10,13 @@ use crate::{Error, Result};
 ///
 ///   M_f = Rᵀ D R,  h(M_f) v = Rᵀ h(D) R v                       [Sun 2008, eqs. 5.30–5.33]
 ///
-/// h(M_f)·1 is the limit of the product series of h ([`ProductSeries`](super::ProductSeries)) for every analytic h: eq. 5.31 is
-/// exp(M_f)·1, eq. 5.33 is log(M_g)·1. The eigenvalues are within the range of f over the sphere, and h is only ever asked for these.
+/// h(M_f)·1 is the limit of the product series of h ([`ProductSeries`](super::ProductSeries)) for every analytic h: eq.
+/// 5.31 is exp(M_f)·1, eq. 5.33 is log(M_g)·1. The eigenvalues are within the range of f over the sphere, and h is only
+/// ever asked for these.
 ///
 /// Accuracy: checked at construction, ‖M − RᵀDR‖ ≤ 1e-12 ‖M‖. Allocates: for precomputation. Cost: about 10 bands⁶
-/// operations; an expansion about an axis is better served by [`Logarithm::apply_zonal`](super::Logarithm::apply_zonal).
+/// operations; an expansion about an axis is better served by
+/// [`Logarithm::apply_zonal`](super::Logarithm::apply_zonal).
 ///
 /// # Example
 /// ```
@@ -35,7 +37,8 @@ impl ProductSpectrum {
     ///
     /// # Errors
     /// [`Error::Length`] if the product's three numbers of bands differ or `f.len()` is not their square,
-    /// [`Error::NotFinite`] if f has NaN or infinity, [`Error::OutOfRange`] if the decomposition does not converge to the stated accuracy.
+    /// [`Error::NotFinite`] if f has NaN or infinity, [`Error::OutOfRange`] if the decomposition does not converge to
+    /// the stated accuracy.
     pub fn new(product: &Product<f64>, f: &[f64]) -> Result<Self> {
         let [bands, second, out] = product.bands();
         for other in [second, out] {

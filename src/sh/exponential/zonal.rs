@@ -48,8 +48,8 @@ impl Zonal {
         self.bands
     }
 
-    /// The angles below `largest` at which the logarithm of a cap's visibility has a kink: where an eigenvalue of its block comes to be
-    /// clipped or no longer, and where another block comes to have the largest.
+    /// The angles below `largest` at which the logarithm of a cap's visibility has a kink: where an eigenvalue of its
+    /// block comes to be clipped or no longer, and where another block comes to have the largest.
     pub(super) fn cap_kinks(&self, largest: f64, floor: f64) -> Result<Vec<f64>> {
         const STEPS: usize = 400;
         let state = |theta: f64| Ok::<_, Error>(self.log(&cap_less_one(self.bands, theta)?, 1.0, floor)?.state);
@@ -83,10 +83,11 @@ impl Zonal {
         matrix
     }
 
-    /// Eq. 5.33 with 5.35 of `part` + `rest` (0 or 1): log x/(x − 1) of the clipped eigenvalues, applied to the argument − 1.
+    /// Eq. 5.33 with 5.35 of `part` + `rest` (0 or 1): log x/(x − 1) of the clipped eigenvalues, applied to the
+    /// argument − 1.
     ///
-    /// With rest 1 a log near 0 keeps its digits, with rest 0 that of a small argument: M_g = M_part + rest. The block m = 0 has the
-    /// vector, all blocks have the largest eigenvalue.
+    /// With rest 1 a log near 0 keeps its digits, with rest 0 that of a small argument: M_g = M_part + rest. The block
+    /// m = 0 has the vector, all blocks have the largest eigenvalue.
     pub(super) fn log(&self, part: &[f64], rest: f64, floor: f64) -> Result<ZonalLog> {
         let eigen = decompose(self.block(0, part))?;
         let mut largest = (eigen.eigenvalues.max(), 0);

@@ -12,14 +12,16 @@ use crate::{Error, Real, Result};
 ///
 ///   H(N) = 1/π ∫ max(s·N, 0) y(s) ds,  L_H(N)_k = Σ_ij Γ_ijk L_i H(N)_j                     [Sun 2008, eq. 5.14]
 ///
-/// Since H(N) = (Â_l/π) y(N), L_H is linear in y(N): one matrix, without the columns of the odd degrees from 3, of which there are none in
-/// the cosine. The dot product of L_H(N) with the visibility g at a point is what a white plane of normal N reflects there: radiance,
-/// H has the 1/π. Without blockers that is E/π. A [`table`](Self::table) is faster where it is exact enough.
+/// Since H(N) = (Â_l/π) y(N), L_H is linear in y(N): one matrix, without the columns of the odd degrees from 3, of
+/// which there are none in the cosine. The dot product of L_H(N) with the visibility g at a point is what a white plane
+/// of normal N reflects there: radiance, H has the 1/π. Without blockers that is E/π. A [`table`](Self::table) is
+/// faster where it is exact enough.
 ///
 /// Shapes: light: bands²; out: bands_out². `bands_cosine` cuts H off: the thesis has the light's own bands. Up to
-/// bands + bands_out − 1 more of them make the result the projection of the light times the exact cosine, and none beyond change it.
-/// Accuracy: 4 eps bands ‖L‖. Cost, counted: an evaluation of the basis and bands_out² multiplications for each column in use
-/// (of 3, 4, 5, 6 bands: 9, 9, 18, 18).
+/// bands + bands_out − 1 more of them make the result the projection of the light times the exact cosine, and none
+/// beyond change it.
+/// Accuracy: 4 eps bands ‖L‖. Cost, counted: an evaluation of the basis and bands_out² multiplications for each column
+/// in use (of 3, 4, 5, 6 bands: 9, 9, 18, 18).
 ///
 /// # Example
 /// ```
@@ -47,8 +49,8 @@ impl<T: Real> DiffuseLight<T> {
     /// The light of these coefficients against a cosine of `bands_cosine`, in `bands_out`.
     ///
     /// # Errors
-    /// [`Error::Length`] if `light.len()` is not a square, [`Error::OutOfRange`] if the matrix would have more than 2²⁶ entries (it is
-    /// bands_cosine² by bands_out²: 90 by 90 bands), else as [`Product::new`] and [`Basis::new`].
+    /// [`Error::Length`] if `light.len()` is not a square, [`Error::OutOfRange`] if the matrix would have more than 2²⁶
+    /// entries (it is bands_cosine² by bands_out²: 90 by 90 bands), else as [`Product::new`] and [`Basis::new`].
     pub fn new(light: &[T], bands_cosine: usize, bands_out: usize) -> Result<Self> {
         let bands = bands_of(light.len()).ok_or(Error::Length {
             what: "coefficients of a light, a square number",
@@ -98,11 +100,12 @@ impl<T: Real> DiffuseLight<T> {
 
     /// L_H tabulated over the sphere of normals, `side`² cells on each face of a cube.
     ///
-    /// Accuracy: the error over the largest |L_H| is about 0.7/side² for 2 bands, 1/side² for 3, 1.4/side² for 4 to 6, of a light of
-    /// equal power in all degrees (side 32, 6 bands: 1.2e-3).
+    /// Accuracy: the error over the largest |L_H| is about 0.7/side² for 2 bands, 1/side² for 3, 1.4/side² for 4 to 6,
+    /// of a light of equal power in all degrees (side 32, 6 bands: 1.2e-3).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] as [`CubeGrid::new`], or if the table would have more than 2²⁸ numbers: 6 (side + 1)² bands_out².
+    /// [`Error::OutOfRange`] as [`CubeGrid::new`], or if the table would have more than 2²⁸ numbers: 6 (side + 1)²
+    /// bands_out².
     pub fn table(&self, side: usize) -> Result<DiffuseLightTable<T>> {
         let grid = CubeGrid::new(side)?;
         let count = self.bands_out * self.bands_out;

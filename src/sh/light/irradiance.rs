@@ -8,17 +8,19 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::Real;
 use crate::error::check_length;
 
-/// Irradiance on a plane of any normal, from the first three bands of the radiance: a quadratic form in the normal, a matrix a channel.
+/// Irradiance on a plane of any normal, from the first three bands of the radiance: a quadratic form in the normal, a
+/// matrix a channel.
 ///
 ///   E(n) = (n, 1)ᵀ M (n, 1)                                    [Ramamoorthi & Hanrahan 2001, eqs. 11 and 12]
 ///
 /// E = ∫ L max(n·ω, 0) dω with its π: a white Lambertian plane reflects E/π. Equal to convolving with
-/// [`Zonal::clamped_cosine`](super::super::Zonal::clamped_cosine) and evaluating 3 bands, for unit n. Of what the 3 bands leave out, degree
-/// 3 does not matter and degree 4 is the first that does. Of a directional light's irradiance on a plane that faces it that is +6.2 % at
-/// 0° and 180° from it, −4.0 % at 58° and 122°, and most at 90°: +9.4 %. Planes turned away from it are lit by so much, up to 122°
-/// and beyond.
+/// [`Zonal::clamped_cosine`](super::super::Zonal::clamped_cosine) and evaluating 3 bands, for unit n. Of what the 3
+/// bands leave out, degree 3 does not matter and degree 4 is the first that does. Of a directional light's irradiance
+/// on a plane that faces it that is +6.2 % at 0° and 180° from it, −4.0 % at 58° and 122°, and most at 90°: +9.4 %.
+/// Planes turned away from it are lit by so much, up to 122° and beyond.
 ///
-/// Accuracy: 4 eps Σ|M|. Cost: 9 multiplications a normal and channel after 5 shared ones. Immutable; calls do not allocate.
+/// Accuracy: 4 eps Σ|M|. Cost: 9 multiplications a normal and channel after 5 shared ones. Immutable; calls do not
+/// allocate.
 ///
 /// # Example
 /// ```

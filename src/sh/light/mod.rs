@@ -37,7 +37,8 @@ pub enum Light<T> {
     },
     /// A glowing sphere: [`Cone`](Self::Cone) of sin θ = radius/distance.
     ///
-    /// At and within its surface: the hemisphere towards the centre. At the centre itself there is no direction, and the degrees above 0 are 0.
+    /// At and within its surface: the hemisphere towards the centre. At the centre itself there is no direction, and
+    /// the degrees above 0 are 0.
     Sphere {
         /// From the point to the centre, any length.
         centre: Vector3<T>,
@@ -49,7 +50,8 @@ pub enum Light<T> {
         /// The middle.
         up: Vector3<T>,
     },
-    /// Radiance that falls linearly with the height, (1 + up·ω)/2 of that at `up`: a soft sky. A ground is another one, of −`up`.
+    /// Radiance that falls linearly with the height, (1 + up·ω)/2 of that at `up`: a soft sky. A ground is another one,
+    /// of −`up`.
     Gradient {
         /// Where it is brightest.
         up: Vector3<T>,
@@ -60,13 +62,15 @@ pub enum Light<T> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Measure {
-    /// Radiance (of [`Gradient`](Light::Gradient): at its brightest); of a directional light, which has none, irradiance on a plane that faces it.
+    /// Radiance (of [`Gradient`](Light::Gradient): at its brightest); of a directional light, which has none,
+    /// irradiance on a plane that faces it.
     #[default]
     Radiance,
-    /// Irradiance on a plane that faces the light, ∫ L max(cos, 0) dω, whatever its size: a cone that closes becomes the directional light.
+    /// Irradiance on a plane that faces the light, ∫ L max(cos, 0) dω, whatever its size: a cone that closes becomes
+    /// the directional light.
     ///
-    /// That is the light's own irradiance. What is left of it in few bands differs: of a directional light 2 bands show ¾, 3 show 17/16,
-    /// 5 show 31/32.
+    /// That is the light's own irradiance. What is left of it in few bands differs: of a directional light 2 bands show
+    /// ¾, 3 show 17/16, 5 show 31/32.
     FacingIrradiance,
     /// The scale of DirectXMath's `XMSHEval…Light`, so that colours written for it can be kept.
     ///
@@ -77,14 +81,15 @@ pub enum Measure {
     /// | `Spherical` | `Sphere` | 1 |
     /// | `Hemisphere` | `Gradient`, one each for top and bottom | 3/2; white under a white top reflects 5/4, not the 1 of their comment |
     ///
-    /// `Ambient` and `Hemisphere` have no counterpart and keep radiance. Signs still differ: theirs have (−1)^m ([`Convention`](super::Convention)).
+    /// `Ambient` and `Hemisphere` have no counterpart and keep radiance. Signs still differ: theirs have (−1)^m
+    /// ([`Convention`](super::Convention)).
     DirectXMath,
 }
 
 /// Coefficients of [`Light`]s, built once for a number of bands.
 ///
-/// Shapes: bands² coefficients a channel; 1, 3 or any number of channels. Units: coefficients are radiance · sr; irradiance is the
-/// convolution with [`Zonal::clamped_cosine`], π included.
+/// Shapes: bands² coefficients a channel; 1, 3 or any number of channels. Units: coefficients are radiance · sr;
+/// irradiance is the convolution with [`Zonal::clamped_cosine`], π included.
 /// Accuracy: that of the basis. Calls do not allocate.
 ///
 /// # Example
@@ -107,7 +112,7 @@ pub struct Lights<T> {
 }
 
 impl<T: Real> Lights<T> {
-    /// Lights of `bands`, by radiance.
+    /// A plan for lights of `bands` bands whose intensity is radiance.
     ///
     /// # Errors
     /// As [`Basis::new`].
@@ -129,7 +134,7 @@ impl<T: Real> Lights<T> {
         self.basis.bands()
     }
 
-    /// What intensities mean.
+    /// What an intensity means.
     #[inline]
     pub fn measure(&self) -> Measure {
         self.measure

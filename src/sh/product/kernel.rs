@@ -1,5 +1,5 @@
-//! What the straight-line text is written against, and how it runs over a batch, a register of vectors at a time. Over one vector:
-//! [`single`](super::single).
+//! What the straight-line text is written against, and how it runs over a batch, a register of vectors at a time. Over
+//! one vector: [`single`](super::single).
 //!
 //! One text makes both, so a batch has the bits of single calls.
 

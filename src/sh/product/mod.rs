@@ -9,9 +9,9 @@
 //! | sparse table | unequal bands, up to 24 in sum | a product for each non-zero Γ and each pair (i, k) |
 //! | grid | all others | the quadrature, in loops |
 //!
-//! The quadrature is exact: its rule integrates every polynomial in z that occurs. It replaces the sums over (l₁, l₂, l₃) of
-//! fixed orders, which grow as the cube of the bands, by sums over nodes, which do not mix degrees. In it zeros of the tensor
-//! are zeros up to rounding, and a NaN reaches every coefficient.
+//! The quadrature is exact: its rule integrates every polynomial in z that occurs. It replaces the sums over (l₁, l₂,
+//! l₃) of fixed orders, which grow as the cube of the bands, by sums over nodes, which do not mix degrees. In it zeros
+//! of the tensor are zeros up to rounding, and a NaN reaches every coefficient.
 
 mod generated;
 mod grid;
@@ -34,8 +34,8 @@ use super::gamma::met;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
-/// The largest sum of the three numbers of bands that meet for which the sparse table is used. Chosen from operation counts of
-/// equal bands, not measured for unequal ones.
+/// The largest sum of the three numbers of bands that meet for which the sparse table is used. Chosen from operation
+/// counts of equal bands, not measured for unequal ones.
 const MOST_SPARSE: usize = 24;
 
 /// The largest such sum for which a matrix is made from a table: its entries grow as the fifth power.
@@ -95,12 +95,12 @@ impl<T: Real> Form<T> {
 ///
 ///   h_k = Σ_ij a_i b_j Γ_ijk                                                    [Sun 2008, §2.4]
 ///
-/// With `bands_out` = bands_a + bands_b − 1 nothing is cut off, and the result is the product of the functions; beyond that the
-/// coefficients are 0. Truncated products commute but do not associate. To multiply many vectors by one and the same, make a
-/// [`matrix`](Self::matrix). Calls do not allocate.
+/// With `bands_out` = bands_a + bands_b − 1 nothing is cut off, and the result is the product of the functions; beyond
+/// that the coefficients are 0. Truncated products commute but do not associate. To multiply many vectors by one and
+/// the same, make a [`matrix`](Self::matrix). Calls do not allocate.
 ///
-/// Equal bands of 2 to 8 have straight-line kernels. Small unequal ones use the sparse tensor: there a zero of Γ is a zero of
-/// the result. All others are multiplied on circles of latitude, where the tensor is not needed.
+/// Equal bands of 2 to 8 have straight-line kernels. Small unequal ones use the sparse tensor: there a zero of Γ is a
+/// zero of the result. All others are multiplied on circles of latitude, where the tensor is not needed.
 ///
 /// | bands | 2 | 3 | 4 | 5 | 6 | 7 | 8 |
 /// |---|---|---|---|---|---|---|---|
@@ -108,7 +108,8 @@ impl<T: Real> Form<T> {
 /// | multiplications, square | 9 | 64 | 178 | 420 | 792 | 1370 | 1818 |
 ///
 /// Shapes: a: bands_a², b: bands_b², out: bands_out², index l(l+1)+m.
-/// Accuracy: 3 eps(T) ‖a‖ ‖b‖ + 3e-15 against quadrature below 13 bands; 2 eps(T) ‖a‖ ‖b‖ between truncations up to 64 bands.
+/// Accuracy: 3 eps(T) ‖a‖ ‖b‖ + 3e-15 against quadrature below 13 bands; 2 eps(T) ‖a‖ ‖b‖ between truncations up to 64
+/// bands.
 /// Cost: [`multiplications`](Self::multiplications), Θ(bands³) on circles.
 ///
 /// # Example
@@ -164,7 +165,8 @@ impl<T: Real> Product<T> {
         self.batch(1, a, b, out);
     }
 
-    /// `count` products at once, coefficient-major: coefficient i of vector v is at i·`count` + v in `a`, `b` and `out`.
+    /// `count` products at once, coefficient-major: coefficient i of vector v is at i·`count` + v in `a`, `b` and
+    /// `out`.
     ///
     /// The same bits as [`apply`](Self::apply) vector by vector. Does not allocate.
     ///
@@ -182,8 +184,8 @@ impl<T: Real> Product<T> {
     ///
     ///   M_kj = Σ_i a_i Γ_ijk;   symmetric if bands_b = bands_out                       [Sun 2008, §2.4]
     ///
-    /// The first call makes a table of the non-zero Γ; the others do not allocate. Where the numbers of bands that meet add up
-    /// to more than 48 there is no table: each call allocates and costs bands_b² products.
+    /// The first call makes a table of the non-zero Γ; the others do not allocate. Where the numbers of bands that meet
+    /// add up to more than 48 there is no table: each call allocates and costs bands_b² products.
     ///
     /// # Panics
     /// If `a.len()` is not bands_a² or `matrix.len()` not bands_out² · bands_b².

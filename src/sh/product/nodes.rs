@@ -38,8 +38,8 @@ impl Rule {
 
     /// Lobatto's rule, which has the poles among its nodes: there only m = 0 lives, so that they cost next to nothing.
     ///
-    /// With k nodes the inner ones are the zeros of P_{k−1}′ and every weight is 2/(k(k−1) P_{k−1}²); exact up to degree
-    /// 2k − 3                                                                  [Abramowitz & Stegun 25.4.32]
+    /// With k nodes the inner ones are the zeros of P_{k−1}′ and every weight is 2/(k(k−1) P_{k−1}²); exact up to
+    /// degree 2k − 3                                                                  [Abramowitz & Stegun 25.4.32]
     pub fn lobatto(degree: usize) -> Self {
         let even = degree & !1;
         let count = (even + 3).div_ceil(2).max(2);
@@ -67,7 +67,8 @@ fn legendre(n: usize, z: f64) -> (f64, f64) {
     (steps.value(), steps.slope())
 }
 
-/// N P_lm(z) for m = 0…, l = m…bands − 1, one m after the other, without Condon–Shortley sign or √2: the harmonics at φ = 0.
+/// N P_lm(z) for m = 0…, l = m…bands − 1, one m after the other, without Condon–Shortley sign or √2: the harmonics at
+/// φ = 0.
 pub(super) fn normalized_legendre(bands: usize, z: f64) -> Result<Vec<f64>> {
     let values = eval(bands, &Vector3::new(((1.0 - z) * (1.0 + z)).sqrt(), 0.0, z))?;
     let orders = (0..bands).flat_map(|m| (m..bands).map(move |l| (l, m)));

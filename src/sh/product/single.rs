@@ -1,7 +1,8 @@
-//! One vector at a time: number by number where the text is the one by the tensor, all nodes side by side where it is by quadrature.
+//! One vector at a time: number by number where the text is the one by the tensor, all nodes side by side where it is
+//! by quadrature.
 //!
-//! Four to six bands have at most four pairs of nodes and nothing is dispatched: registers of four numbers are what every machine
-//! has. Seven and eight bands have five pairs, which want wider ones.
+//! Four to six bands have at most four pairs of nodes and nothing is dispatched: registers of four numbers are what
+//! every machine has. Seven and eight bands have five pairs, which want wider ones.
 
 use std::hint::black_box;
 use std::marker::PhantomData;
@@ -23,7 +24,8 @@ pub(super) const fn lanes(size: usize) -> usize {
     if size <= 36 { FEW } else { MANY }
 }
 
-/// A number, or some side by side. An array and not a register of `pulp`'s, which has none of this width without a dispatch.
+/// A number, or some side by side. An array and not a register of `pulp`'s, which has none of this width without a
+/// dispatch.
 #[derive(Clone, Copy)]
 pub(super) struct Wide<T, const L: usize>([T; L]);
 
@@ -194,7 +196,8 @@ impl<K: Straight, T: Real, const N: usize, const C: usize, const SQUARE: bool> B
         if let Some(constants) = constants.lanes.as_chunks::<L>().0.first_chunk::<C>() {
             let mut parts = [[T::zero(); L]; N];
             pair::<K, _, SQUARE>(&mut Nodes { constants, a, b, out: &mut parts });
-            // Has the parts written to memory, where the sums find them four at a time. Otherwise LLVM takes the lanes apart.
+            // Has the parts written to memory, where the sums find them four at a time. Otherwise LLVM takes the lanes
+            // apart.
             black_box(parts.as_ptr());
             match pairs {
                 1 => add::<T, L, N, 1>(&parts, out),

@@ -1,9 +1,10 @@
 //! Cube maps: the rows of a face are meridians about an axis in the face's plane.
 //!
-//! A row of texels lies on a half great circle through the face's ± right axis. With that axis as the pole, the row is a
-//! meridian β = atan v, the position in it a latitude α, and every harmonic is Σ_k D_k {cos, sin} kα · {cos, sin} mβ. So a row's
-//! texels meet only bands cosines and as many sines, whatever the number of coefficients; the rest is for each row (mβ) or for
-//! each face (D, and permutations of the axes). Nothing is approximated, and every factor is bounded by 1.
+//! A row of texels lies on a half great circle through the face's ± right axis. With that axis as the pole, the row is
+//! a meridian β = atan v, the position in it a latitude α, and every harmonic is Σ_k D_k {cos, sin} kα · {cos, sin} mβ.
+//! So a row's texels meet only bands cosines and as many sines, whatever the number of coefficients; the rest is for
+//! each row (mβ) or for each face (D, and permutations of the axes). Nothing is approximated, and every factor is
+//! bounded by 1.
 //!
 //! The faces ±X have their poles on z, the others on x: two frames.
 
@@ -23,11 +24,12 @@ use crate::{Real, Result};
 /// A NaN texel makes every coefficient of its channel NaN, an infinite one makes them infinite or NaN
 /// ([`CubeMap::first_not_finite`] finds it).
 ///
-/// Accuracy: the sum, for texels in [0, 1], to 3e-15 in `f64` and 6e-8 in `f32`, whatever the size, up to 64 bands. The sum against
-/// the integral of what the map was sampled from: see the table in docs/sh.md; both rules err by the square of the texel's size.
-/// Cost: bands multiplications a texel and channel ([`Basis::accumulate`](crate::sh::Basis::accumulate): bands²), texels that
-/// mirror each other sharing theirs, and 4·bands² a row. Memory: side²·bands/2 scalars times the rule's nodes. Parallel over
-/// rows, the same bits for any number of threads.
+/// Accuracy: the sum, for texels in [0, 1], to 3e-15 in `f64` and 6e-8 in `f32`, whatever the size, up to 64 bands. The
+/// sum against the integral of what the map was sampled from: see the table in docs/sh.md; both rules err by the square
+/// of the texel's size.
+/// Cost: bands multiplications a texel and channel ([`Basis::accumulate`](crate::sh::Basis::accumulate): bands²),
+/// texels that mirror each other sharing theirs, and 4·bands² a row. Memory: side²·bands/2 scalars times the rule's
+/// nodes. Parallel over rows, the same bits for any number of threads.
 ///
 /// # Example
 /// ```
@@ -46,8 +48,8 @@ pub struct CubeProjection<T> {
     axes: CubeAxes,
 }
 
-/// The coefficients of a cube map, `bands`² for each channel, by the rule of texel centres. One shot: for many maps keep a
-/// [`CubeProjection`].
+/// The coefficients of a cube map, `bands`² for each channel, by the rule of texel centres. One shot: for many maps
+/// keep a [`CubeProjection`].
 ///
 /// # Errors
 /// As [`CubeProjection::new`].
@@ -103,10 +105,11 @@ impl<T: Real> CubeProjection<T> {
 ///
 /// It is the transpose of projection: Σ_t Ω_t f_t g_t = Σ c_i d_i for the map f of c and the projection d of any map g.
 ///
-/// Accuracy: tested to 7e-14 in `f64` and 2e-6 in `f32` for coefficients of 1/(l + 1), up to 17 bands. Projection of the map gives
-/// the coefficients back to 8e-5 (3 bands) and 1.4e-4 (6 bands) at side 64 by centres, to 3e-4 and 1.5e-3 by means; four times less at twice the side.
-/// Cost: bands multiplications a texel and channel ([`Basis::reconstruct`](crate::sh::Basis::reconstruct): bands²). Parallel over
-/// rows, the same bits for any number of threads.
+/// Accuracy: tested to 7e-14 in `f64` and 2e-6 in `f32` for coefficients of 1/(l + 1), up to 17 bands. Projection of
+/// the map gives the coefficients back to 8e-5 (3 bands) and 1.4e-4 (6 bands) at side 64 by centres, to 3e-4 and 1.5e-3
+/// by means; four times less at twice the side.
+/// Cost: bands multiplications a texel and channel ([`Basis::reconstruct`](crate::sh::Basis::reconstruct): bands²).
+/// Parallel over rows, the same bits for any number of threads.
 ///
 /// # Example
 /// ```
@@ -150,8 +153,8 @@ impl<T: Real> CubeReconstruction<T> {
         CubeMap::new(self.grid, texels).expect("one value a texel")
     }
 
-    /// [`reconstruct`](Self::reconstruct) into texels that are there, such as [`CubeMap::texels_mut`]: fresh memory for a large map
-    /// can take longer than its values.
+    /// [`reconstruct`](Self::reconstruct) into texels that are there, such as [`CubeMap::texels_mut`]: fresh memory for
+    /// a large map can take longer than its values.
     ///
     /// # Panics
     /// If an expansion is not bands² long or there is not one texel for each of the grid's.
@@ -365,7 +368,8 @@ impl CubeAxes {
         }
     }
 
-    /// Σ over rows of a face's moments times {cos, sin} mβ. Of the moments with k, those with cosines go with k − m even.
+    /// Σ over rows of a face's moments times {cos, sin} mβ. Of the moments with k, those with cosines go with k − m
+    /// even.
     fn face_waves(&self, moments: &[f64], [face, channel, channels]: [usize; 3], waves: &mut [f64]) {
         let functions = padded(self.bands);
         let slot = class(2, 0, functions);
@@ -418,7 +422,8 @@ impl Arc {
     }
 }
 
-/// Swaps the parity of the column for that of m: cosines (class 0) of k go with m ≡ k, sines with m ≢ k. Its own inverse.
+/// Swaps the parity of the column for that of m: cosines (class 0) of k go with m ≡ k, sines with m ≢ k. Its own
+/// inverse.
 fn mix(from: &[f64], functions: usize, to: &mut [f64]) {
     for row in 0..2 {
         for parity in 0..2 {

@@ -18,11 +18,12 @@ pub enum DeringBy<const C: usize> {
 /// The family from which the window is taken.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum DeringWindow {
-    /// [`Window::Curvature`] [Sloan 2008, 2017]: the mildest where the light is dim everywhere and rings a little. Its own kernel is
-    /// negative in places, so a bright light over black needs much of it, however many the bands.
+    /// [`Window::Curvature`] [Sloan 2008, 2017]: the mildest where the light is dim everywhere and rings a little. Its
+    /// own kernel is negative in places, so a bright light over black needs much of it, however many the bands.
     Curvature,
-    /// [`Window::Gaussian`], the default: the flow of heat, whose kernel is positive, so only the cut at `bands` rings. For bright
-    /// lights over black it needs the less blur the more bands there are (docs/sh.md has the errors of both).
+    /// [`Window::Gaussian`], the default: the flow of heat, whose kernel is positive, so only the cut at `bands` rings.
+    /// For bright lights over black it needs the less blur the more bands there are (docs/sh.md has the errors of
+    /// both).
     #[default]
     Gaussian,
 }
@@ -49,13 +50,15 @@ impl DeringWindow {
 
 /// Removes ringing by the mildest window of a family that keeps the expansion's minimum at a bound.
 ///
-/// A bright light in few bands rings: its expansion is negative in places, and so is the irradiance made of it. [Sloan 2008, 2017]
-/// fades the high bands just as far as needed; here the minimum is the certified one of [`Extrema`], and the strength comes from
-/// bisection with secants between one that fails and one that suffices by the bound |Σ_m c y| ≤ ‖c_l‖ √((2l+1)/4π) in every degree.
+/// A bright light in few bands rings: its expansion is negative in places, and so is the irradiance made of it. [Sloan
+/// 2008, 2017] fades the high bands just as far as needed; here the minimum is the certified one of [`Extrema`], and
+/// the strength comes from bisection with secants between one that fails and one that suffices by the bound |Σ_m c y| ≤
+/// ‖c_l‖ √((2l+1)/4π) in every degree.
 ///
-/// Accuracy: λ (or σ²) to 1e-6 of itself, from above: the minimum found is not below the bound, and none on the sphere is by more
-/// than 1e-6 of half the range. Heat flow lifts the minimum steadily, so σ is the smallest there is; λ is taken from the largest
-/// interval of sufficient ones, within factors of 4; no expansion is known where a smaller λ suffices again.
+/// Accuracy: λ (or σ²) to 1e-6 of itself, from above: the minimum found is not below the bound, and none on the sphere
+/// is by more than 1e-6 of half the range. Heat flow lifts the minimum steadily, so σ is the smallest there is; λ is
+/// taken from the largest interval of sufficient ones, within factors of 4; no expansion is known where a smaller λ
+/// suffices again.
 /// Cost: about fifteen calls of [`Extrema::minimum`].
 ///
 /// # Example
@@ -92,8 +95,8 @@ impl Deringing {
     /// The window that brings the minimum of an expansion up to `bound`; of strength 0 if it is not below.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the expansion is below `bound` somewhere and `bound` is not below its mean c_0/√4π, which no window
-    /// moves; [`Error::NotFinite`] as [`Extrema::minimum`].
+    /// [`Error::OutOfRange`] if the expansion is below `bound` somewhere and `bound` is not below its mean c_0/√4π,
+    /// which no window moves; [`Error::NotFinite`] as [`Extrema::minimum`].
     ///
     /// # Panics
     /// If `coefficients.len()` is not bands².
@@ -185,8 +188,8 @@ fn sufficient(c: &[f64], family: DeringWindow) -> f64 {
         .sum()
 }
 
-/// The upper end of a bracket of the root of an increasing function, narrowed to 1e-6 of itself by secants that halve the value at
-/// an end which stays (the Illinois rule), and by halving where that is slow.
+/// The upper end of a bracket of the root of an increasing function, narrowed to 1e-6 of itself by secants that halve
+/// the value at an end which stays (the Illinois rule), and by halving where that is slow.
 fn bracketed(
     [mut low, mut high]: [f64; 2],
     [mut below, mut above]: [f64; 2],

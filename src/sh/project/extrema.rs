@@ -1,14 +1,14 @@
 //! Least and greatest values of an expansion, with a proof.
 //!
-//! Let h = f − (max f + min f)/2, so that ‖h‖ = R is half the range and is attained at the minimum. Along any great circle h is a
-//! trigonometric polynomial of degree L = bands − 1, and near a point where it attains its least value −R such a polynomial stays
-//! below −R cos(Ls) at distance s ≤ π/L [M. Riesz 1914]. So a point within δ of the minimum has
+//! Let h = f − (max f + min f)/2, so that ‖h‖ = R is half the range and is attained at the minimum. Along any great
+//! circle h is a trigonometric polynomial of degree L = bands − 1, and near a point where it attains its least value −R
+//! such a polynomial stays below −R cos(Ls) at distance s ≤ π/L [M. Riesz 1914]. So a point within δ of the minimum has
 //!
 //!   f ≤ min f + R (1 − cos Lδ).
 //!
-//! A grid of covering radius δ therefore brackets the minimum, and R itself: R ≤ (half the range on the grid)/cos Lδ. Cells of the
-//! grid whose centre lies above the best value seen by more than that margin cannot hold the minimum; the others are cut into
-//! four, until the margin is small. Newton's method from the best cell makes the value accurate.
+//! A grid of covering radius δ therefore brackets the minimum, and R itself: R ≤ (half the range on the grid)/cos Lδ.
+//! Cells of the grid whose centre lies above the best value seen by more than that margin cannot hold the minimum; the
+//! others are cut into four, until the margin is small. Newton's method from the best cell makes the value accurate.
 
 use nalgebra::{Matrix2, UnitVector3, Vector2, Vector3};
 
@@ -20,9 +20,10 @@ use crate::{Error, Real, Result};
 
 /// Finds the global minimum and maximum of expansions of `bands`; built once.
 ///
-/// Accuracy: values to 1e-14 of Σ|c| and directions to 1e-7 where the extremum is curved (planted minima). Certainty: [`Extremum::bound`].
-/// Cost: about 30, 50, 200 µs at 3, 6, 10 bands; an extremum along a whole circle, as zonal functions have, costs up to a thousand
-/// times more.
+/// Accuracy: values to 1e-14 of Σ|c| and directions to 1e-7 where the extremum is curved (planted minima). Certainty:
+/// [`Extremum::bound`].
+/// Cost: about 30, 50, 200 µs at 3, 6, 10 bands; an extremum along a whole circle, as zonal functions have, costs up to
+/// a thousand times more.
 ///
 /// # Example
 /// ```
@@ -50,8 +51,8 @@ pub struct Extremum {
     pub direction: UnitVector3<f64>,
     /// The least (greatest) value found.
     pub value: f64,
-    /// No value on the sphere is below (above) this, up to rounding of 1e-13 Σ|c|. It is within 1e-6 of half the range from `value`;
-    /// where so many cells are nearly extreme that the search stops early, within 1/8 of it.
+    /// No value on the sphere is below (above) this, up to rounding of 1e-13 Σ|c|. It is within 1e-6 of half the range
+    /// from `value`; where so many cells are nearly extreme that the search stops early, within 1/8 of it.
     pub bound: f64,
 }
 

@@ -30,8 +30,8 @@ impl Samples {
         Ok(Self { count, y, waves })
     }
 
-    /// The coefficient of cos kα (l − m even) or sin kα (l − m odd) in y_{l,m}, or in y_{l,m}/cos α. What is summed has period π and is
-    /// even, so that a quarter stands for the whole.
+    /// The coefficient of cos kα (l − m even) or sin kα (l − m odd) in y_{l,m}, or in y_{l,m}/cos α. What is summed has
+    /// period π and is even, so that a quarter stands for the whole.
     fn coefficient(&self, [l, m, k]: [usize; 3], over_cosine: bool) -> f64 {
         let row = &self.y[(l * (l + 1) + m) * self.count..][..self.count];
         let terms = row.iter().enumerate().map(|(j, y)| {
@@ -96,10 +96,11 @@ impl Meridians {
 ///
 ///   y(Rω) = M y(ω),  Rω = (y, z, x)
 ///
-/// On the equator ω = (cos φ, sin φ, 0) the right side is Σ M_{i,lm} p_{lm} {cos, sin} mφ, p the Legendre functions at 0, and the
-/// left a meridian, α = π/2 − φ: M is D over p. That gives what is even in z: l − m even on the right, no sine of the azimuth
-/// on the left. The rest is odd, and has the derivative along z in place of the value: p' on the right, |m| y_{l,|m|}/cos α on
-/// the left. p and p' are nowhere small (the recurrences in l lose six digits by l = 128).
+/// On the equator ω = (cos φ, sin φ, 0) the right side is Σ M_{i,lm} p_{lm} {cos, sin} mφ, p the Legendre functions at
+/// 0, and the left a meridian, α = π/2 − φ: M is D over p. That gives what is even in z: l − m even on the right, no
+/// sine of the azimuth on the left. The rest is odd, and has the derivative along z in place of the value: p' on the
+/// right, |m| y_{l,|m|}/cos α on the left. p and p' are nowhere small (the recurrences in l lose six digits by l =
+/// 128).
 #[derive(Debug, Clone)]
 pub(super) struct AxesTurn {
     /// The non-zeros: row, column, value.

@@ -8,10 +8,12 @@ use crate::{Real, Result};
 
 /// The coefficients ∫ f y_i of a function, `bands`² of them.
 ///
-/// Exact up to rounding where f is a spherical polynomial of degree d and `rule` is exact to degree d + bands − 1; an expansion of
-/// `b` bands has d = b − 1. For other functions the error is that of the rule: aliasing of what f has above that degree.
+/// Exact up to rounding where f is a spherical polynomial of degree d and `rule` is exact to degree d + bands − 1; an
+/// expansion of `b` bands has d = b − 1. For other functions the error is that of the rule: aliasing of what f has
+/// above that degree.
 ///
-/// Accuracy: 1e-14 of the largest coefficient for expansions of up to 20 bands; `f32` results are those of `f64`, narrowed.
+/// Accuracy: 1e-14 of the largest coefficient for expansions of up to 20 bands; `f32` results are those of `f64`,
+/// narrowed.
 /// Cost: a call of f a point of the rule, and 2.5·bands² multiplications.
 ///
 /// # Errors

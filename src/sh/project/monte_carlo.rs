@@ -15,8 +15,8 @@ use crate::{Error, Result};
 pub struct MonteCarlo<const C: usize> {
     /// The estimates, bands² for each channel.
     pub coefficients: [Vec<f64>; C],
-    /// The standard error of each, estimated from the spread of 16 independent estimates (and so itself known to 18 %): the truth is within 2.1 of
-    /// them with probability 95 % (Student's t, 15 degrees of freedom).
+    /// The standard error of each, estimated from the spread of 16 independent estimates (and so itself known to 18 %):
+    /// the truth is within 2.1 of them with probability 95 % (Student's t, 15 degrees of freedom).
     pub errors: [Vec<f64>; C],
     /// How often the function was called.
     pub samples: usize,
@@ -27,12 +27,13 @@ const ESTIMATES: usize = 16;
 
 /// Projects a function that can only be sampled, such as traced radiance, onto `bands` with an estimate of the error.
 ///
-/// Sixteen Fibonacci lattices of n/16 directions, each turned by a random rotation of its own: every direction is uniformly
-/// distributed, so each lattice's estimate is unbiased, and they are independent, so their spread tells the error. A lattice
-/// is spread so evenly that the error falls as n^{−3/4} for functions with edges and faster for smooth ones, where random directions have n^{−1/2}.
+/// Sixteen Fibonacci lattices of n/16 directions, each turned by a random rotation of its own: every direction is
+/// uniformly distributed, so each lattice's estimate is unbiased, and they are independent, so their spread tells the
+/// error. A lattice is spread so evenly that the error falls as n^{−3/4} for functions with edges and faster for smooth
+/// ones, where random directions have n^{−1/2}.
 ///
-/// `f` is called in parallel (feature `rayon`) and must depend on the direction alone; the result depends on `samples` and `seed` only.
-/// A NaN value makes its channel's coefficients NaN.
+/// `f` is called in parallel (feature `rayon`) and must depend on the direction alone; the result depends on `samples`
+/// and `seed` only. A NaN value makes its channel's coefficients NaN.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] unless `bands` is in 1…1024 and `samples`, which is rounded up to a multiple of 16, is 1…2³².

@@ -1,8 +1,8 @@
 //! Sums of a row of texels against cosines and sines, and such series at the texels of a row.
 //!
 //! Rows come in mirrored pairs and columns mirror within a row, so that four texels share a cosine. Their sums and
-//! differences are the four classes (row even, odd) × (column even, odd): cosines meet only the column-even ones, sines only
-//! the odd. bands cosines and sines for half a row each: a multiplication for each texel, channel and band.
+//! differences are the four classes (row even, odd) × (column even, odd): cosines meet only the column-even ones, sines
+//! only the odd. bands cosines and sines for half a row each: a multiplication for each texel, channel and band.
 //!
 //! The second row of a pair and the second half of a row are the + sides: even = second + first, odd = second − first.
 
@@ -281,8 +281,8 @@ fn add_series<T: Real, const L: usize, const C: usize>(
     *sums = local;
 }
 
-/// Runs `f(index, slot)` over slots of `stride` elements, which do not depend on each other; in parallel if each takes `operations` so
-/// many that waking threads pays.
+/// Runs `f(index, slot)` over slots of `stride` elements, which do not depend on each other; in parallel if each takes
+/// `operations` so many that waking threads pays.
 pub(super) fn for_each_slot<T: Send>(
     out: &mut [T],
     stride: usize,

@@ -11,13 +11,15 @@ use crate::{Error, Real, Result};
 ///
 ///   c = argmin Σ_p w_p (f_p − Σ_i c_i y_i(ω_p))² + λ ∫ (Δf)²,   ∫ (Δf)² = Σ l²(l+1)² c_i²
 ///
-/// The penalty on the squared Laplacian bridges gaps smoothly; with weights that are solid angles (they sum to 4π, as the default
-/// 4π/n does) and samples as dense as a quadrature rule the fit is projection times [`Window::Curvature`](super::Window) of this
-/// λ. λ = 1e-6…1e-2 is usual; larger blurs, smaller lets gaps oscillate.
+/// The penalty on the squared Laplacian bridges gaps smoothly; with weights that are solid angles (they sum to 4π, as
+/// the default 4π/n does) and samples as dense as a quadrature rule the fit is projection times
+/// [`Window::Curvature`](super::Window) of this λ. λ = 1e-6…1e-2 is usual; larger blurs, smaller lets gaps oscillate.
 ///
-/// Method: QR of the weighted matrix and the penalty's, block after block, of which R is kept; corrected seminormal equations
-/// [Björck 1987], which are as accurate as QR up to condition numbers of 1e7 or so and lose digits slowly beyond.
-/// Accuracy: within 1e-14 · condition of the twin by singular values (measured 2e-15 at 11 bands, 100 clustered samples).
+/// Method: QR of the weighted matrix and the penalty's, block after block, of which R is kept; corrected seminormal
+/// equations [Björck 1987], which are as accurate as QR up to condition numbers of 1e7 or so and lose digits slowly
+/// beyond.
+/// Accuracy: within 1e-14 · condition of the twin by singular values (measured 2e-15 at 11 bands, 100 clustered
+/// samples).
 /// Cost: 2·n·bands⁴ to build; 10·n·bands² a channel to fit, no allocation of n·bands².
 ///
 /// # Example
@@ -47,10 +49,10 @@ impl ScatteredFit {
     /// The plan for samples at `directions` with `weights` (4π/n each if `None`) and penalty `lambda`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless `bands` is in 1…64, `lambda` and the weights are finite and not negative, and the fit's condition number is
-    /// below [`MAX_CONDITION`](Self::MAX_CONDITION): it is not if λ = 0 and the directions are fewer than bands² or lie so that some expansion
-    /// vanishes on all of them. [`Error::Empty`] without a positive weight; [`Error::Length`] unless there is a weight for each
-    /// direction; [`Error::NotFinite`] for directions.
+    /// [`Error::OutOfRange`] unless `bands` is in 1…64, `lambda` and the weights are finite and not negative, and the
+    /// fit's condition number is below [`MAX_CONDITION`](Self::MAX_CONDITION): it is not if λ = 0 and the directions
+    /// are fewer than bands² or lie so that some expansion vanishes on all of them. [`Error::Empty`] without a positive
+    /// weight; [`Error::Length`] unless there is a weight for each direction; [`Error::NotFinite`] for directions.
     pub fn new(bands: usize, directions: &[UnitVector3<f64>], weights: Option<&[f64]>, lambda: f64) -> Result<Self> {
         if !(1..=64).contains(&bands) {
             return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed: "in 1…64 for fits" });
@@ -82,8 +84,8 @@ impl ScatteredFit {
         Ok(Self { basis, directions, weights, lambda, r, condition })
     }
 
-    /// An estimate of the condition number of the weighted and penalised matrix, σ_max/σ_min, usually within 10 %: relative errors of values grow by up to
-    /// this factor in the coefficients.
+    /// An estimate of the condition number of the weighted and penalised matrix, σ_max/σ_min, usually within 10 %:
+    /// relative errors of values grow by up to this factor in the coefficients.
     pub fn condition(&self) -> f64 {
         self.condition
     }

@@ -9,8 +9,8 @@ pub enum TexelRule {
     /// The value at its centre: Σ f y_i(centre) Ω, and y_i(centre) in reconstruction. The common choice.
     #[default]
     Centre,
-    /// The mean over the texel: Σ f ∫_texel y_i, the exact projection of the piecewise-constant function that the map is, and the
-    /// mean of y_i over each texel in reconstruction.
+    /// The mean over the texel: Σ f ∫_texel y_i, the exact projection of the piecewise-constant function that the map
+    /// is, and the mean of y_i over each texel in reconstruction.
     Mean,
 }
 
@@ -26,12 +26,12 @@ pub(super) fn check_bands(bands: usize) -> Result<()> {
 }
 
 impl TexelRule {
-    /// Nodes on [−1, 1] and weights that sum to 1, for a texel of this half width in radians and functions of so many waves around
-    /// the sphere: one node, or as many as make the mean exact to `tolerance`.
+    /// Nodes on [−1, 1] and weights that sum to 1, for a texel of this half width in radians and functions of so many
+    /// waves around the sphere: one node, or as many as make the mean exact to `tolerance`.
     ///
-    /// Gauss–Legendre with q nodes errs by (κh)^{2q} 2^{2q} q!⁴/((2q+1) (2q)!³) on e^{iκx}, κ = waves + 3. The edges of a cube's
-    /// texels are singular functions of their longitude, at distance 1 or more from real ones: another ρ^{−2q},
-    /// ρ = 1/h + √(1 + 1/h²).
+    /// Gauss–Legendre with q nodes errs by (κh)^{2q} 2^{2q} q!⁴/((2q+1) (2q)!³) on e^{iκx}, κ = waves + 3. The edges of
+    /// a cube's texels are singular functions of their longitude, at distance 1 or more from real ones: another
+    /// ρ^{−2q}, ρ = 1/h + √(1 + 1/h²).
     pub(super) fn nodes(self, waves: f64, half_width: f64, tolerance: f64) -> Result<Vec<(f64, f64)>> {
         if self == Self::Centre {
             return Ok(vec![(0.0, 1.0)]);

@@ -6,9 +6,9 @@ use crate::sh::bands_of;
 
 /// Factors w_l that fade the high degrees of an expansion, so that it rings less around edges and small bright lights.
 ///
-/// Each is a convolution with a zonal kernel and has w_0 = 1: the mean stays. The other factors are in [0, 1] (Lanczos' too), at an
-/// infinite width all 1, at an infinite σ or λ all 0. A width that is NaN counts as 0; a σ or λ that is NaN makes them NaN. What it costs is sharpness: small widths (large λ, σ)
-/// blur, large ones leave the ringing.
+/// Each is a convolution with a zonal kernel and has w_0 = 1: the mean stays. The other factors are in [0, 1] (Lanczos'
+/// too), at an infinite width all 1, at an infinite σ or λ all 0. A width that is NaN counts as 0; a σ or λ that is NaN
+/// makes them NaN. What it costs is sharpness: small widths (large λ, σ) blur, large ones leave the ringing.
 ///
 /// | window | w_l | how much |
 /// |---|---|---|

@@ -29,7 +29,8 @@ pub fn rotate_z<T: Real>(angle: T, coefficients: &mut [T]) {
     turn_block::<T, 1>(bands, 1, [[T::of(cos)], [T::of(sin)]], [0, 1], coefficients);
 }
 
-/// Turns `count` expansions about z, each by an angle of its own given as cos and sin, in place; `count` is the number of angles.
+/// Turns `count` expansions about z, each by an angle of its own given as cos and sin, in place; `count` is the number
+/// of angles.
 ///
 /// Coefficient-major: coefficient i of vector v at i·count + v. The same bits as [`rotate_z`] one by one.
 ///

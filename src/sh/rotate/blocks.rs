@@ -1,8 +1,8 @@
 //! The blocks of one rotation times many vectors, in registers of vectors.
 //!
-//! Two registers of vectors meet R rows of a block: 2R sums stay in registers, and R + 2 loads feed 2R multiplications. Multiplication
-//! and addition are apart (no FMA), so the bound is two multiplications a cycle; R ≥ 4 keeps the loads below it, R ≤ 5 the sums and what
-//! they are made of in 16 registers.
+//! Two registers of vectors meet R rows of a block: 2R sums stay in registers, and R + 2 loads feed 2R multiplications.
+//! Multiplication and addition are apart (no FMA), so the bound is two multiplications a cycle; R ≥ 4 keeps the loads
+//! below it, R ≤ 5 the sums and what they are made of in 16 registers.
 
 use std::any::Any;
 
@@ -19,7 +19,8 @@ const UNROLLED: usize = 6;
 /// Rows of a tile at most.
 const ROWS: usize = 5;
 
-/// The tiles of a degree, up to [`ROWS`] rows each and as even as can be: so many, those with a row more, the rows of the others.
+/// The tiles of a degree, up to [`ROWS`] rows each and as even as can be: so many, those with a row more, the rows of
+/// the others.
 #[inline(always)]
 const fn shares(l: usize) -> [usize; 3] {
     let size = 2 * l + 1;
@@ -88,7 +89,8 @@ impl<T: Element> WithSimd for Batch<'_, T> {
 }
 
 impl<T: Element> Batch<'_, T> {
-    /// Degree by degree, W vectors, two registers, at once; the last W vectors are whole, too, some for the second time.
+    /// Degree by degree, W vectors, two registers, at once; the last W vectors are whole, too, some for the second
+    /// time.
     #[inline(always)]
     fn run<S: Simd, const W: usize>(self, simd: S) {
         let Self { bands, tiles, count, f, out } = self;
@@ -166,8 +168,8 @@ impl<'a, S: Simd, T: Element, const N: usize> Low<'a, S, T, N> {
     }
 }
 
-/// The places of all rows, before anything is computed, and of a length that is known: with a check between two rows LLVM would compute one row
-/// after the other.
+/// The places of all rows, before anything is computed, and of a length that is known: with a check between two rows
+/// LLVM would compute one row after the other.
 #[inline(always)]
 fn windows<'a, T, const N: usize, const W: usize>(out: &'a mut [&mut [T]; N], first: usize) -> [&'a mut [T; W]; N] {
     let mut rows = out.iter_mut();

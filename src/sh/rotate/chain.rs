@@ -213,7 +213,8 @@ pub(super) fn rotate_degree<T: Real, const W: usize, const CAP: usize>(
     }
 }
 
-/// A rotation that keeps or reverses the z axis, on vector `at` of `count`: no rounding where it is a half turn or none.
+/// A rotation that keeps or reverses the z axis, on vector `at` of `count`: no rounding where it is a half turn or
+/// none.
 #[cold]
 #[inline(never)]
 pub(super) fn rotate_flat<T: Real>(

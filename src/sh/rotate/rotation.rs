@@ -28,8 +28,8 @@ pub(super) fn check_bands(bands: usize) -> Result<()> {
 ///   y(Rω) = M y(ω),  (Rf)(ω) = f(R⁻¹ω) has the coefficients M f                  [Sun 2008, eq. 2.11: see docs/errata.md]
 ///   M(R₁R₂) = M(R₁) M(R₂),  M(R⁻¹) = Mᵀ
 ///
-/// Built in `f64` from constant matrices, as [`Rotator`](super::Rotator) says, and then narrowed; what it says of degenerate rotations and of matrices
-/// that are not quite orthogonal holds here.
+/// Built in `f64` from constant matrices, as [`Rotator`](super::Rotator) says, and then narrowed; what it says of
+/// degenerate rotations and of matrices that are not quite orthogonal holds here.
 ///
 /// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
 /// Cost: bands(4 bands² − 1)/3 multiplications a vector, Θ(bands⁴) to build.
@@ -66,7 +66,8 @@ impl<T: Real> Rotation<T> {
     /// The plan of a rotation for `bands`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0 or more than 128; [`Error::NotFinite`] if an entry of the matrix is NaN or infinite.
+    /// [`Error::OutOfRange`] if `bands` is 0 or more than 128; [`Error::NotFinite`] if an entry of the matrix is NaN or
+    /// infinite.
     pub fn new(bands: usize, rotation: &Rotation3<f64>) -> Result<Self> {
         check_finite("rotation matrix entry", rotation.matrix().as_slice())?;
         let r = entries(rotation);

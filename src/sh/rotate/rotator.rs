@@ -32,17 +32,18 @@ const UNROLLED: usize = 6;
 ///
 ///   (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
 ///
-/// Z turns about z, (m, −m) by mα; P, the constant matrix of the mirror that swaps y and z, is three quarters zeros. cos and sin of the
-/// turns are algebraic in the rotation: no angle, no trigonometric function. That is what batches do. A single expansion has its first
-/// six bands rotated by sampling: f at R⁻¹ of a few fixed directions, then the coefficients that have these samples; no root, no
-/// special axis. The two differ by rounding. Where one rotation is for many vectors, a [`Rotation`](super::Rotation) is faster.
+/// Z turns about z, (m, −m) by mα; P, the constant matrix of the mirror that swaps y and z, is three quarters zeros.
+/// cos and sin of the turns are algebraic in the rotation: no angle, no trigonometric function. That is what batches
+/// do. A single expansion has its first six bands rotated by sampling: f at R⁻¹ of a few fixed directions, then the
+/// coefficients that have these samples; no root, no special axis. The two differ by rounding. Where one rotation is
+/// for many vectors, a [`Rotation`](super::Rotation) is faster.
 ///
-/// Every rotation is good: those that keep or reverse the z axis are done without either, without rounding if they are half turns or none.
-/// A quaternion need not have length 1: any length gives the same rotation, 0 none. Of a matrix that
-/// is not quite orthogonal, off by δ, the chain takes some rotation that is as far off, and keeps lengths to rounding; sampling evaluates
-/// the y_{lm} as polynomials at Rᵀd_i, so results and lengths are off by a few l δ.
-/// NaN or infinity in a rotation makes all coefficients of its vector NaN but the first, NaN in a coefficient those of its degree. (A
-/// [`Rotation`](super::Rotation) refuses it.)
+/// Every rotation is good: those that keep or reverse the z axis are done without either, without rounding if they are
+/// half turns or none. A quaternion need not have length 1: any length gives the same rotation, 0 none. Of a matrix
+/// that is not quite orthogonal, off by δ, the chain takes some rotation that is as far off, and keeps lengths to
+/// rounding; sampling evaluates the y_{lm} as polynomials at Rᵀd_i, so results and lengths are off by a few l δ. NaN or
+/// infinity in a rotation makes all coefficients of its vector NaN but the first, NaN in a coefficient those of its
+/// degree. (A [`Rotation`](super::Rotation) refuses it.)
 ///
 /// Shapes: f, out: bands², index l(l+1)+m; batches coefficient-major, coefficient i of vector v at i·count + v.
 ///
@@ -130,8 +131,8 @@ impl<T: Real> Rotator<T> {
         self.one(&pose, || quaternion_turns(&q().map(|x| [x])).0, f, out);
     }
 
-    /// `count` expansions, each rotated by its quaternion x, y, z, w, as [`apply_quaternion`](Self::apply_quaternion) would up to rounding.
-    /// A vector's result does not depend on the others.
+    /// `count` expansions, each rotated by its quaternion x, y, z, w, as [`apply_quaternion`](Self::apply_quaternion)
+    /// would up to rounding. A vector's result does not depend on the others.
     ///
     /// # Panics
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -155,8 +156,8 @@ impl<T: Real> Rotator<T> {
         }
     }
 
-    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row, as [`apply`](Self::apply) would up to rounding,
-    /// if the matrix is orthogonal to rounding.
+    /// `count` expansions, each rotated by its matrix, nine slices of entries row by row, as [`apply`](Self::apply)
+    /// would up to rounding, if the matrix is orthogonal to rounding.
     ///
     /// # Panics
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
@@ -331,7 +332,8 @@ fn largest<T: Real>(q: &[T; 4]) -> T {
     q.iter().fold(T::zero(), |most, c| most.max(c.abs()))
 }
 
-/// Whether the length of a quaternion is in 5e-4…2e6 or so and nothing of it is NaN, so that squares of its squares are normal numbers.
+/// Whether the length of a quaternion is in 5e-4…2e6 or so and nothing of it is NaN, so that squares of its squares are
+/// normal numbers.
 #[inline(always)]
 fn in_range<T: Real>(q: &[T; 4]) -> bool {
     let most = largest(q);

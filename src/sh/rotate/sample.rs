@@ -1,12 +1,13 @@
-//! Rotation by sampling, for few bands: the rotated function at fixed directions d_i, then the coefficients that have these samples.
+//! Rotation by sampling, for few bands: the rotated function at fixed directions d_i, then the coefficients that have
+//! these samples.
 //!
 //!   g_{l,i} = Σ_m f_{lm} y_{lm}(R⁻¹ d_i),  out_l = B_l g_l,  B_l = [y_{lm}(d_i)]⁻¹, i ≤ 2l
 //!
-//! It is the transpose of rotating zonal lobes [Nowrouzezahrai et al. 2012]. Lanes are directions first, then orders: no sum across
-//! lanes, no root, no axis that can be lost.
+//! It is the transpose of rotating zonal lobes [Nowrouzezahrai et al. 2012]. Lanes are directions first, then orders:
+//! no sum across lanes, no root, no axis that can be lost.
 //!
-//! The directions lie on a cone about z, each a golden angle after the one before, so that any first 2l + 1 of them go round evenly.
-//! The condition numbers of [y_{lm}(d_i)] are 4.2, 3.1, 4.7, 4.9, 5.1 for l = 1…5 at [`HEIGHT`].
+//! The directions lie on a cone about z, each a golden angle after the one before, so that any first 2l + 1 of them go
+//! round evenly. The condition numbers of [y_{lm}(d_i)] are 4.2, 3.1, 4.7, 4.9, 5.1 for l = 1…5 at [`HEIGHT`].
 //!
 //! y_{lm} = k_{lm} p_{lm}(z) {Re, Im} (x + iy)^m with monic p:
 //!
@@ -163,8 +164,8 @@ impl<T: Element, const B: usize> WithSimd for Call<'_, T, B> {
                 first += lanes;
             }
         }
-        // Has the samples written to memory, where a broadcast is a load. Otherwise LLVM takes them out of the registers, two
-        // shuffles each.
+        // Has the samples written to memory, where a broadcast is a load. Otherwise LLVM takes them out of the
+        // registers, two shuffles each.
         black_box(g.as_ptr());
         // Downwards: each register overwrites what the one before left of lower degrees.
         macro_rules! degrees {

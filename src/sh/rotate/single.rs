@@ -1,11 +1,11 @@
 //! The chain Z(α) P Z(−β) P Z(γ) on one vector, four coefficients of a degree side by side.
 //!
-//! Quad k holds the orders 2k, 2k + 1, −2k, −(2k + 1). A turn about z mixes its halves, and P, a block for each combination of parity and
-//! sign, takes one block a lane: row r of P v is Σ_c P_rc v_c, lane by lane, where v's lanes are exchanged first as P wants it. What is
-//! no coefficient, −0 and orders above l, is 0 in v and in P.
+//! Quad k holds the orders 2k, 2k + 1, −2k, −(2k + 1). A turn about z mixes its halves, and P, a block for each
+//! combination of parity and sign, takes one block a lane: row r of P v is Σ_c P_rc v_c, lane by lane, where v's lanes
+//! are exchanged first as P wants it. What is no coefficient, −0 and orders above l, is 0 in v and in P.
 //!
-//! Sums run in the order of [`chain`](super::chain): the same bits, but for the sign of a zero. It is for degrees from 6 on, and builds
-//! the plan of a [`Rotation`](super::Rotation).
+//! Sums run in the order of [`chain`](super::chain): the same bits, but for the sign of a zero. It is for degrees from
+//! 6 on, and builds the plan of a [`Rotation`](super::Rotation).
 
 use std::hint::black_box;
 use std::ops::Range;
@@ -55,8 +55,8 @@ fn powers<T: Real, const K: usize>(bands: usize, turns: &Turns<T, 1>) -> Powers<
     out
 }
 
-/// Has what is borrowed written to memory, quad by quad. Otherwise LLVM takes the quads apart into scalars and joins them anew in
-/// other ways, from build to build a quarter faster or a fifth slower.
+/// Has what is borrowed written to memory, quad by quad. Otherwise LLVM takes the quads apart into scalars and joins
+/// them anew in other ways, from build to build a quarter faster or a fifth slower.
 #[inline(always)]
 fn settle<T>(quads: &[T]) {
     black_box(quads.as_ptr());

@@ -4,7 +4,8 @@
 //!
 //!   e^{iα} = (w + iz)(y − ix)/√(pq),  e^{iγ} = (w + iz)(y + ix)/√(pq),  e^{iβ} = (p − q + 2i√(pq))/(p + q)
 //!
-//! No angle is formed. Where pq vanishes the axis of the second turn is lost, β is 0 or π, and α alone is left: [`Flat`].
+//! No angle is formed. Where pq vanishes the axis of the second turn is lost, β is 0 or π, and α alone is left:
+//! [`Flat`].
 
 use nalgebra::{Rotation3, UnitQuaternion};
 
@@ -17,7 +18,8 @@ pub(super) struct Turns<T, const W: usize> {
     pub gamma: [[T; W]; 2],
 }
 
-/// A rotation that keeps the z axis, or reverses it: a half turn about y (if `reverses`), then a turn about z by [cos, sin].
+/// A rotation that keeps the z axis, or reverses it: a half turn about y (if `reverses`), then a turn about z by [cos,
+/// sin].
 pub(super) struct Flat<T> {
     pub reverses: bool,
     pub turn: [T; 2],
@@ -49,8 +51,8 @@ pub(super) enum Poses<'a, T> {
 }
 
 impl<T: Real> Poses<'_, T> {
-    /// The turns of rotations first..first + W, and sin²β up to a factor: below [`tiny`], the rotation is to be taken from
-    /// [`flat`](Self::flat) and its turns mean nothing.
+    /// The turns of rotations first..first + W, and sin²β up to a factor: below [`tiny`], the rotation is to be taken
+    /// from [`flat`](Self::flat) and its turns mean nothing.
     #[inline(always)]
     pub(super) fn turns<const W: usize>(&self, first: usize) -> (Turns<T, W>, [T; W]) {
         let at = |c: &[T]| load::<T, W>(c, first, T::one());
@@ -128,9 +130,9 @@ pub(super) fn quaternion_flat<T: Real>([x, y, z, w]: [T; 4]) -> Flat<T> {
     Flat { reverses, turn: [c * c - s * s, c * s + s * c] }
 }
 
-/// α and β are the third column's direction, (R02 + iR12, R22). γ must fit α where both are ill-defined, so it is taken from
-/// what the other entries know best: (R00 + R11, R10 − R01) = (1 + cos β) e^{i(α+γ)} above the equator,
-/// (R11 − R00, −R10 − R01) = (1 − cos β) e^{i(α−γ)} below.
+/// α and β are the third column's direction, (R02 + iR12, R22). γ must fit α where both are ill-defined, so it is taken
+/// from what the other entries know best: (R00 + R11, R10 − R01) = (1 + cos β) e^{i(α+γ)} above the equator, (R11 −
+/// R00, −R10 − R01) = (1 − cos β) e^{i(α−γ)} below.
 #[inline(always)]
 pub(super) fn matrix_turns<T: Real, const W: usize>(r: &[[T; W]; 9]) -> (Turns<T, W>, [T; W]) {
     let one = T::one();

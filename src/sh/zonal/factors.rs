@@ -19,8 +19,8 @@ pub(super) fn cosine_power(s: f64) -> impl Iterator<Item = f64> {
 
 /// The factors of a cap of light.
 ///
-/// From (l(l+1)) P_l = −((1 − t²) P_l′)′:  ∫_c^1 P_l = (1 − c²) P_l′(c)/(l(l+1)), where (1 − c²) is known as sin² and nothing is
-/// subtracted.
+/// From (l(l+1)) P_l = −((1 − t²) P_l′)′:  ∫_c^1 P_l = (1 − c²) P_l′(c)/(l(l+1)), where (1 − c²) is known as sin² and
+/// nothing is subtracted.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::sh) struct CapFactors {
     steps: LegendreSteps<f64>,

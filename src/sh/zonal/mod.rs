@@ -17,11 +17,16 @@ use crate::{Error, Real, Result};
 ///
 /// The same data has two scales, and mixing them is the usual mistake. This type holds the first and gives the second:
 ///
-///   factors       k_l = 2π ∫_{−1}^{1} f(t) P_l(t) dt       convolution multiplies degree l by k_l; f about an axis is k_l y_lm(axis)
-///   coefficients  z_l = √((2l+1)/4π) k_l                   f = Σ z_l y_{l,0} about +z
+/// ```text
+/// factors       k_l = 2π ∫ f(t) P_l(t) dt over −1 ≤ t ≤ 1
+/// coefficients  z_l = √((2l+1)/4π) k_l
+/// ```
 ///
-/// (A paper's Â_l, ρ̂_l and A_l are factors; its f_l and g_l are coefficients [Sun 2008, eqs. 2.20, 5.7, 5.36].) Both rules for the
-/// factors are the Funk–Hecke theorem. Built in `f64`, then narrowed.
+/// With factors, convolution multiplies degree l by k_l, and f about an axis is the expansion `k_l y_lm(axis)`. With
+/// coefficients, f about +z is `Σ z_l y_{l,0}`.
+///
+/// (A paper's Â_l, ρ̂_l and A_l are factors; its f_l and g_l are coefficients [Sun 2008, eqs. 2.20, 5.7, 5.36].) Both
+/// rules for the factors are the Funk–Hecke theorem. Built in `f64`, then narrowed.
 ///
 /// # Example
 /// ```
@@ -79,14 +84,16 @@ impl<T: Real> Zonal<T> {
         Self::from_factors(factors.take(bands).map(T::of))
     }
 
-    /// The projection of f(t), t = cos θ, by Gauss–Legendre rules of `nodes` points on the pieces of [−1, 1] between `breaks`.
+    /// The projection of f(t), t = cos θ, by Gauss–Legendre rules of `nodes` points on the pieces of [−1, 1] between
+    /// `breaks`.
     ///
-    /// Exact up to rounding where f is a polynomial of degree 2·nodes − bands on each piece; a kink or jump belongs at a break.
+    /// Exact up to rounding where f is a polynomial of degree 2·nodes − bands on each piece; a kink or jump belongs at
+    /// a break.
     /// Accuracy there: 1e-14 of max |f|. Allocates.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536, [`Error::Empty`] if `nodes` is, and [`Error::OutOfRange`] unless the breaks ascend
-    /// strictly inside (−1, 1).
+    /// [`Error::OutOfRange`] if `bands` is 0 or above 65536, [`Error::Empty`] if `nodes` is, and [`Error::OutOfRange`]
+    /// unless the breaks ascend strictly inside (−1, 1).
     ///
     /// # Example
     /// ```
@@ -132,7 +139,8 @@ impl<T: Real> Zonal<T> {
     ///
     ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)     [Sun 2008, eqs. 2.21–2.23]
     ///
-    /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100.
+    /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands,
+    /// 4e-15 below 100.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
@@ -140,14 +148,17 @@ impl<T: Real> Zonal<T> {
         Self::cosine_power(bands, 1.0)
     }
 
-    /// max(cos θ, 0)^s for real s ≥ 0: the Phong lobe; s = 0 is the hemisphere, large s tends to 2π/(s+1) times the delta.
+    /// max(cos θ, 0)^s for real s ≥ 0: the Phong lobe; s = 0 is the hemisphere, large s tends to 2π/(s+1) times the
+    /// delta.
     ///
     /// Not normalised: k_0 = ∫ f = 2π/(s+1), and (s+2)/2π · f reflects all light at normal incidence from a plane.
     ///
     ///   ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
     ///
-    /// which is the ratio of Γ functions of the closed form [Gradshteyn & Ryzhik 7.126.1]. For integer s the zeros are exact.
-    /// Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100. (Sun's 2.19 means this lobe: the max is missing in print.)
+    /// which is the ratio of Γ functions of the closed form [Gradshteyn & Ryzhik 7.126.1]. For integer s the zeros are
+    /// exact.
+    /// Accuracy: relative, 5e-16 below 12 bands, 4e-15 below 100. (Sun's 2.19 means this lobe: the max is missing in
+    /// print.)
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or above 65536, or unless 0 ≤ `power` < ∞.
@@ -162,8 +173,8 @@ impl<T: Real> Zonal<T> {
     ///
     ///   k_0 = 2π (1 − cos θ),  k_l = 2π sin²θ P_l′(cos θ)/(l(l+1))
     ///
-    /// No difference of large numbers: relative accuracy for caps of any size down to nothing, 1e-15 below 12 bands. An angle below
-    /// 0 counts as 0, one above π as π; NaN gives NaN.
+    /// No difference of large numbers: relative accuracy for caps of any size down to nothing, 1e-15 below 12 bands. An
+    /// angle below 0 counts as 0, one above π as π; NaN gives NaN.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
@@ -180,8 +191,8 @@ impl<T: Real> Zonal<T> {
 
     /// 0 within `half_angle` of the axis, 1 beyond: what a round blocker leaves visible [Sun 2008, eq. 5.36].
     ///
-    /// The coefficients are g_0 = √π (1 + cos θ), g_l = −2π N_{l0} (P_{l−1} − P_{l+1})(cos θ)/(2l+1), computed as those of
-    /// [`cap`](Self::cap): with relative accuracy at both ends. Angles likewise.
+    /// The coefficients are g_0 = √π (1 + cos θ), g_l = −2π N_{l0} (P_{l−1} − P_{l+1})(cos θ)/(2l+1), computed as those
+    /// of [`cap`](Self::cap): with relative accuracy at both ends. Angles likewise.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if `bands` is 0 or above 65536.
@@ -291,7 +302,8 @@ impl<T: Real> Zonal<T> {
         }
     }
 
-    /// f about many axes, coefficient-major: coefficient i of axis v at i·count + v. The same bits as [`about`](Self::about).
+    /// f about many axes, coefficient-major: coefficient i of axis v at i·count + v. The same bits as
+    /// [`about`](Self::about).
     ///
     /// # Panics
     /// If the bands of `basis` differ, the slices of axes do, or `out.len()` is not bands² times their length.
@@ -306,8 +318,8 @@ impl<T: Real> Zonal<T> {
     ///
     ///   (f ∗ L)(n) = ∫ f(n · ω) L(ω) dω
     ///
-    /// Irradiance from radiance is this with [`clamped_cosine`](Self::clamped_cosine); so is the effective BRDF of a filtered normal
-    /// map, from the expansion of its distribution of normals [Sun 2008, eq. 5.7].
+    /// Irradiance from radiance is this with [`clamped_cosine`](Self::clamped_cosine); so is the effective BRDF of a
+    /// filtered normal map, from the expansion of its distribution of normals [Sun 2008, eq. 5.7].
     ///
     /// # Panics
     /// If `coefficients.len()` is not bands².

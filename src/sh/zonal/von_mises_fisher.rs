@@ -8,8 +8,9 @@ use crate::{Error, Result};
 ///
 ///   factors A_l = I_{l+1/2}(κ)/I_{1/2}(κ),  A_1 = coth κ − 1/κ, the length of the mean direction
 ///
-/// κ = 0 is the uniform density, κ = ∞ the delta. A normal distribution function of mean direction n̄ with |n̄| = A_1 is one of these about
-/// n̄ (Han et al. 2007); [`from_mean_length`](Self::from_mean_length) finds κ. A spherical Gaussian e^{κ(cos θ − 1)} is this over its value on the axis.
+/// κ = 0 is the uniform density, κ = ∞ the delta. A normal distribution function of mean direction n̄ with |n̄| = A_1
+/// is one of these about n̄ (Han et al. 2007); [`from_mean_length`](Self::from_mean_length) finds κ. A spherical
+/// Gaussian e^{κ(cos θ − 1)} is this over its value on the axis.
 ///
 /// # Example
 /// ```
@@ -36,10 +37,11 @@ impl VonMisesFisher {
         }
     }
 
-    /// The density whose mean direction has this length: the inverse of [`mean_length`](Self::mean_length). 1 gives κ = ∞.
+    /// The density whose mean direction has this length: the inverse of [`mean_length`](Self::mean_length). 1 gives κ =
+    /// ∞.
     ///
-    /// Newton's iteration from R (3 − R²)/(1 − R²) [Banerjee et al. 2005], four steps at most. Accuracy: 4e-16 relative, for the R that is
-    /// given; rounding it costs eps/(1 − R).
+    /// Newton's iteration from R (3 − R²)/(1 − R²) [Banerjee et al. 2005], four steps at most. Accuracy: 4e-16
+    /// relative, for the R that is given; rounding it costs eps/(1 − R).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 ≤ `length` ≤ 1.
@@ -106,9 +108,10 @@ impl VonMisesFisher {
 
     /// The factors A_l for as many degrees as `out` holds. What is below the smallest number becomes 0.
     ///
-    /// The ratios r_l = I_{l+1/2}/I_{l−1/2} satisfy r_l = κ/(2l + 1 + κ r_{l+1}). Downwards every operation is on positive numbers
-    /// and shrinks the error of the start by r²; upwards it grows by 1/r², which up to l² = κ is by e at most and saves the way down
-    /// from √(40κ). Accuracy: relative, 6e-16 below 12 bands, 3e-15 below 100, for κ from 0 to ∞.
+    /// The ratios r_l = I_{l+1/2}/I_{l−1/2} satisfy r_l = κ/(2l + 1 + κ r_{l+1}). Downwards every operation is on
+    /// positive numbers and shrinks the error of the start by r²; upwards it grows by 1/r², which up to l² = κ is by e
+    /// at most and saves the way down from √(40κ). Accuracy: relative, 6e-16 below 12 bands, 3e-15 below 100, for κ
+    /// from 0 to ∞.
     pub(super) fn factors(&self, out: &mut [f64]) {
         let (kappa, bands) = (self.concentration, out.len());
         if kappa >= (bands * bands).max(1) as f64 {

@@ -101,8 +101,10 @@ fn sin_cos(t: f64) -> (f64, f64) {
 ///
 /// With U = C + iS the solid harmonics of m > 0 (C at +m, S at −m), U_0 = √2 y_0 and k² = (2l+1)/(2l−1):
 ///
-///   (∂_x − i∂_y) U_lm = k √((l+m)(l+m−1)) U_{l−1,m−1},  (∂_x + i∂_y) U_lm = −k √((l−m)(l−m−1)) U_{l−1,m+1}
-///   ∂_z U_lm = k √(l² − m²) U_{l−1,m}
+/// ```text
+/// (∂_x − i∂_y) U_lm = k √((l+m)(l+m−1)) U_{l−1,m−1},  (∂_x + i∂_y) U_lm = −k √((l−m)(l−m−1)) U_{l−1,m+1}
+/// ∂_z U_lm = k √(l² − m²) U_{l−1,m}
+/// ```
 #[derive(Debug, Clone)]
 pub(super) struct Coupling {
     /// Of m − 1, m + 1 and m, for l = 1…, m = 0…l.

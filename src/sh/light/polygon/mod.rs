@@ -26,27 +26,32 @@ pub enum Sides {
     Front,
 }
 
-/// The coefficients ∫_Ω y_lm dω of polygons of radiance 1, seen from a point, analytically.
+/// The coefficients `∫_Ω y_lm dω` of polygons of radiance 1, seen from a point, analytically.
 ///
-/// Since Δy = −l(l+1) y, the divergence theorem turns the integral over the polygon's solid angle into one along its outline. Edges are
-/// great-circle arcs; p, the unit normal of an arc's plane, points into Ω, and there ∇y_l · p is ∂_p of the solid harmonic r^l y_l, whose
-/// values on the sphere are of degree l − 1:
+/// Since Δy = −l(l+1) y, the divergence theorem turns the integral over the polygon's solid angle into one along its
+/// outline. Edges are great-circle arcs; p, the unit normal of an arc's plane, points into Ω, and there ∇y_l · p is ∂_p
+/// of the solid harmonic r^l y_l, whose values on the sphere are of degree l − 1:
 ///
-///   ∫_Ω y_lm dω = 1/(l(l+1)) Σ_arcs p · ∫ ∇(r^l y_lm) ds = Σ_{k, m′} G^k_{lm,m′} Σ_arcs p_k ∫ y_{l−1,m′} ds
+/// ```text
+/// ∫_Ω y_lm dω = 1/(l(l+1)) Σ_arcs p · ∫ ∇(r^l y_lm) ds = Σ_{k, m′} G^k_{lm,m′} Σ_arcs p_k ∫ y_{l−1,m′} ds
+/// ```
 ///
-/// G has at most five entries a row. Along an arc y is a trigonometric polynomial of degree bands − 2; a Gauss–Legendre rule chosen by
-/// the arc's length integrates it to rounding. Degree 0 is the spherical excess. Polygons that look small, where the terms of
-/// the outline cancel, are integrated over their area instead: Gauss–Legendre rules on the triangles about their middle.
-/// (The same coefficients as in Wang & Ramamoorthi 2018 and Belcour et al. 2018, by another way.)
+/// G has at most five entries a row. Along an arc y is a trigonometric polynomial of degree bands − 2; a Gauss–Legendre
+/// rule chosen by the arc's length integrates it to rounding. Degree 0 is the spherical excess. Polygons that look
+/// small, where the terms of the outline cancel, are integrated over their area instead: Gauss–Legendre rules on the
+/// triangles about their middle. (The same coefficients as in Wang & Ramamoorthi 2018 and Belcour et al. 2018, by
+/// another way.)
 ///
-/// Vertices: any number, convex or not, in a plane or not: what counts is the outline seen from the point. It must lie in an open
-/// half-space, as that of every polygon does that is seen from outside its plane. Where the outline crosses itself, parts count as often
-/// as it runs around them. From within the plane, from a vertex or an edge there is no light or a finite part of it.
+/// Vertices: any number, convex or not, in a plane or not: what counts is the outline seen from the point. It must lie
+/// in an open half-space, as that of every polygon does that is seen from outside its plane. Where the outline crosses
+/// itself, parts count as often as it runs around them. From within the plane, from a vertex or an edge there is no
+/// light or a finite part of it.
 ///
-/// Units: coefficients are in sr; times the radiance they are those of the light. Computed in `f64` whatever the scalar.
-/// Accuracy, of the largest coefficient: 1e-14 at any size of the polygon up to 16 bands, measured against brute force; slivers less (docs/sh.md).
-/// Cost, counted: per arc about 6 + bands · length/2 evaluations of bands − 1 bands. Immutable; calls do not allocate but for a scratch
-/// that sees more vertices than before.
+/// Units: coefficients are in sr; times the radiance they are those of the light. Computed in `f64` whatever the
+/// scalar. Accuracy, of the largest coefficient: 1e-14 at any size of the polygon up to 16 bands, measured against
+/// brute force; slivers less (docs/sh.md).
+/// Cost, counted: per arc about 6 + bands · length/2 evaluations of bands − 1 bands. Immutable; calls do not allocate
+/// but for a scratch that sees more vertices than before.
 ///
 /// # Example
 /// ```
@@ -122,7 +127,7 @@ impl PolygonLight {
     /// The largest number of bands.
     pub const MAX_BANDS: usize = 128;
 
-    /// Polygons in `bands`.
+    /// A plan for polygons of `bands` bands.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 1 ≤ `bands` ≤ [`MAX_BANDS`](Self::MAX_BANDS).
@@ -167,10 +172,10 @@ impl PolygonLight {
 
     /// The coefficients of a polygon seen from the origin; returns its solid angle.
     ///
-    /// `vertices` are relative to the point that sees them, at any scale, each at its own. With a `horizon` only what lies above it
-    /// counts, n · ω > 0: a surface of normal n, of any length, sees no more; a normal of length 0 cuts nothing. Vertices at the origin
-    /// are left out. Fewer than three vertices, and a polygon that looks like a line, give 0; NaN or infinity in a vertex or the horizon
-    /// gives NaN.
+    /// `vertices` are relative to the point that sees them, at any scale, each at its own. With a `horizon` only what
+    /// lies above it counts, n · ω > 0: a surface of normal n, of any length, sees no more; a normal of length 0 cuts
+    /// nothing. Vertices at the origin are left out. Fewer than three vertices, and a polygon that looks like a line,
+    /// give 0; NaN or infinity in a vertex or the horizon gives NaN.
     ///
     /// # Panics
     /// If `out.len()` is not bands².
@@ -193,10 +198,11 @@ impl PolygonLight {
         T::of(scratch.result[0] * (4.0 * std::f64::consts::PI).sqrt())
     }
 
-    /// The coefficients of one polygon seen from many points, coefficient-major: coefficient i at point v at i·count + v.
+    /// The coefficients of one polygon seen from many points, coefficient-major: coefficient i at point v at i·count +
+    /// v.
     ///
-    /// `vertices` and `points` are in one frame; differences are taken in `f64`. With `normals` the surface of each point clips as the
-    /// horizon of [`eval`](Self::eval).
+    /// `vertices` and `points` are in one frame; differences are taken in `f64`. With `normals` the surface of each
+    /// point clips as the horizon of [`eval`](Self::eval).
     ///
     /// # Panics
     /// If there are `normals` and not as many as points, or `out.len()` is not bands² times their number.

@@ -2,13 +2,16 @@
 
 use nalgebra::Vector3;
 
-/// 2^100: vertices farther apart in size than this are brought to one size. Products of four of them then neither over- nor underflow.
+/// 2^100: vertices farther apart in size than this are brought to one size. Products of four of them then neither over-
+/// nor underflow.
 const WIDEST: f64 = 1.267_650_600_228_229_4e30;
 
-/// The outline to integrate: [clipped](clip) vertices of comfortable sizes, or one of NaN if a number is NaN or infinite.
+/// The outline to integrate: [clipped](clip) vertices of comfortable sizes, or one of NaN if a number is NaN or
+/// infinite.
 ///
-/// Only the directions of vertices matter, so that each may be scaled by a power of two, which rounds nothing. All are by the same one,
-/// for the differences of neighbours to stay exact, but those that are smaller than the largest by a factor of 2^100.
+/// Only the directions of vertices matter, so that each may be scaled by a power of two, which rounds nothing. All are
+/// by the same one, for the differences of neighbours to stay exact, but those that are smaller than the largest by a
+/// factor of 2^100.
 pub(super) fn outline(
     vertices: impl DoubleEndedIterator<Item = Vector3<f64>> + Clone,
     horizon: Option<Vector3<f64>>,
@@ -35,7 +38,8 @@ fn scaled(v: &Vector3<f64>, size: f64) -> Vector3<f64> {
 
 /// The part of a closed outline above a plane through the origin [Sutherland & Hodgman 1974]; all of it without one.
 ///
-/// Where a part that is not convex falls apart, its pieces stay joined along the plane, there and back: such arcs cancel.
+/// Where a part that is not convex falls apart, its pieces stay joined along the plane, there and back: such arcs
+/// cancel.
 fn clip(
     vertices: impl DoubleEndedIterator<Item = Vector3<f64>> + Clone,
     horizon: Option<Vector3<f64>>,
@@ -65,7 +69,8 @@ pub(super) struct Outline<'a> {
 }
 
 impl<'a> Outline<'a> {
-    /// Scales the vertices to a size that neither over- nor underflows and drops those at the origin. `None` if fewer than three are left.
+    /// Scales the vertices to a size that neither over- nor underflows and drops those at the origin. `None` if fewer
+    /// than three are left.
     pub(super) fn new(vertices: &'a mut Vec<Vector3<f64>>) -> Option<Self> {
         let size = vertices.iter().fold(0.0, |size: f64, v| size.max(v.amax()));
         if size == 0.0 {
@@ -90,7 +95,8 @@ impl<'a> Outline<'a> {
         self.vertices.iter().enumerate().map(move |(i, a)| (a, &self.vertices[if i + 1 == n { 0 } else { i + 1 }]))
     }
 
-    /// The edges as great-circle arcs: pairs of vectors of like size along a and b. Of unlike ones b − a would lose the shorter.
+    /// The edges as great-circle arcs: pairs of vectors of like size along a and b. Of unlike ones b − a would lose the
+    /// shorter.
     pub(super) fn arcs(&self) -> impl Iterator<Item = (Vector3<f64>, Vector3<f64>)> {
         self.edges().map(|(a, b)| {
             let (size_a, size_b) = (a.amax(), b.amax());
@@ -115,8 +121,8 @@ impl<'a> Outline<'a> {
 
     /// The signed solid angle, as a fan of spherical triangles about the middle [Van Oosterom & Strackee 1983].
     ///
-    /// Seen from the middle no triangle is near a half-sphere, unless the middle is no direction: the vertices surround the origin. Then
-    /// `moment` = ∫ ω dω is one.
+    /// Seen from the middle no triangle is near a half-sphere, unless the middle is no direction: the vertices surround
+    /// the origin. Then `moment` = ∫ ω dω is one.
     pub(super) fn solid_angle(&self, moment: &Vector3<f64>) -> f64 {
         let spread = self.middle.norm() < 0.1 * self.vertices.len() as f64 && moment.norm() > 1e-3;
         let apex = if spread {

@@ -36,8 +36,9 @@ impl PatchRule {
 
 /// The nodes of the triangles (m, a, b) between a point m in the middle and the edges.
 ///
-/// With x on a triangle, ∫ y dω = det (m, a − m, b − m) ∫∫ y(x/|x|)/|x|³ r dr dw: the determinant is of small vectors, and signed.
-/// An outline of radius ρ ≤ 1/20 and degree l ≤ 1/ρ: each rule sees frequencies up to 1 and, from |x|³, a pole at 20 half-lengths or more.
+/// With x on a triangle, ∫ y dω = det (m, a − m, b − m) ∫∫ y(x/|x|)/|x|³ r dr dw: the determinant is of small vectors,
+/// and signed. An outline of radius ρ ≤ 1/20 and degree l ≤ 1/ρ: each rule sees frequencies up to 1 and, from |x|³, a
+/// pole at 20 half-lengths or more.
 pub(super) fn push_nodes(rule: &PatchRule, outline: &Outline, nodes: &mut Nodes) {
     let lengths = || outline.vertices().iter().map(|v| v.norm());
     let (near, far) = lengths().fold((f64::INFINITY, 0.0), |(near, far): (f64, f64), n| (near.min(n), far.max(n)));
