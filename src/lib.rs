@@ -170,7 +170,7 @@ mod progress;
 mod real;
 
 pub mod affine;
-#[cfg(any(feature = "block_product", feature = "wavelet_double", feature = "wavelet_triple"))]
+#[cfg(feature = "scene")]
 pub mod backend;
 pub mod compress;
 pub mod dct;

@@ -18,7 +18,7 @@ pub use brdf::{
     AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
     Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
-#[cfg(feature = "block_product")]
+#[allow(unused_imports, reason = "for those back ends that ask for them")]
 pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;

@@ -62,7 +62,7 @@ impl View {
 
 impl View {
     /// As numbers for a file: 1 and the eye point, or 2 and the unit direction.
-    #[cfg(feature = "wavelet_double")]
+    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
     pub(crate) fn parts(self) -> (u8, [f64; 3]) {
         match self.kind {
             Kind::Eye(eye) => (1, eye.into()),
@@ -71,7 +71,7 @@ impl View {
     }
 
     /// What [`parts`](Self::parts) gave; none for other numbers.
-    #[cfg(feature = "wavelet_double")]
+    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
     pub(crate) fn from_parts(kind: u8, place: [f64; 3]) -> Option<Self> {
         let place = Vector3::from(place);
         let is_unit = (place.norm() - 1.0).abs() < 1e-12;

@@ -55,7 +55,7 @@ impl Lobe {
         let factor = self.factor.max();
         self.least.clear();
         self.least.extend(limits.iter().map(|limits| {
-            // For all of a group.
+            // The limit must hold for every pixel of a group, so the angle grows by the group's radius.
             let angle = limits.least_cosine(factor, *exponent, radii.pixel).acos() + radii.group;
             if angle < std::f64::consts::PI { angle.cos() as f32 } else { -1.0 }
         }));

@@ -110,7 +110,7 @@ impl<'a> Relighter<'a> {
             directions,
             planner: Planner::new(gauge, settings.rule),
             limits: vec![Limits::default(); layout.blocks()],
-            // Not clones: these would have no room.
+            // Made one by one: a clone would not keep the reserved room.
             scratch: (0..parallel::pieces()).map(|_| Scratch::new(layout)).collect(),
             needed: Vec::new(),
             scheduled: Scheduled::new(transport),

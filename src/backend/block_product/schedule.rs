@@ -15,7 +15,8 @@ pub(super) struct Batch {
     pub(super) maps: u16,
 }
 
-/// The changes of all maps that are not hidden, [group of vertices][course][number of changes][map].
+/// The changes of all maps that are not hidden, in the order in which a frame reads them:
+/// [group of vertices][course][number of changes][map].
 ///
 /// All of a group's vertices look up a course before the next one comes, so that its table is read from the first cache; and
 /// maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended before.

@@ -1,6 +1,6 @@
 //! What methods share that light the vertices of a mesh by distant light.
 
-#[cfg(any(feature = "wavelet_double", feature = "wavelet_triple"))]
+#[allow(dead_code, reason = "for those methods that ask for it")]
 pub(in crate::backend) mod range;
 
 use nalgebra::Vector3;
@@ -80,6 +80,7 @@ pub trait DistantRelighter: Send {
     fn bytes(&self) -> usize;
 }
 
+#[allow(dead_code, reason = "for those methods that ask for it")]
 /// Checks that there is what is needed for each vertex of a mesh.
 pub(in crate::backend) fn check_vertices(what: &'static str, expected: usize, got: usize) -> Result<()> {
     if got == expected { Ok(()) } else { Err(Error::Length { what, expected, got }) }

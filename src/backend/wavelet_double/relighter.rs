@@ -45,7 +45,7 @@ impl<'a> Relighter<'a> {
             projected: ProjectedLight::new(transport.grid)?,
             light: Vec::new(),
             factor: 1.0,
-            // Not clones: these would have no room.
+            // Made one by one: a clone would not keep the reserved room.
             sums: (0..parallel::pieces()).map(|_| Vec::with_capacity(rows)).collect(),
         })
     }

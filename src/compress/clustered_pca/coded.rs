@@ -86,12 +86,7 @@ impl<T: Real> ClusteredPca<T> {
     /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless rows are whole; [`Error::NotFinite`];
     /// [`Error::OutOfRange`] without clusters, for too many components, a tolerance that is negative or NaN, 2^32 rows,
     /// and elements above 1e140; [`Error::Cancelled`] if `progress` asked to stop.
-    pub fn new(
-        matrix: &[T],
-        columns: usize,
-        settings: &ClusteredPcaSettings,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    pub fn new(matrix: &[T], columns: usize, settings: &ClusteredPcaSettings, progress: &dyn Progress) -> Result<Self> {
         check(matrix, columns, settings)?;
         Self::build(matrix, columns, settings, progress, Start::Seeds)
     }

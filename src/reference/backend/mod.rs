@@ -2,3 +2,4 @@
 
 #[cfg(feature = "block_product")]
 pub mod block_product;
+pub mod wavelet;

@@ -18,10 +18,7 @@
 //!
 //! [`BrdfSpec`] reads the command-line forms (`phong:50+lambert:0.4`).
 
-#![cfg_attr(
-    not(feature = "block_product"),
-    allow(dead_code, unused_imports, reason = "kernels of single directions are for one back end")
-)]
+#![allow(dead_code, unused_imports, reason = "kernels of single directions are for those back ends that ask for them")]
 
 mod ashikhmin;
 mod directions;

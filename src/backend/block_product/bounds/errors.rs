@@ -23,8 +23,8 @@ impl Errors {
 }
 
 impl Errors {
-    /// The errors where a function reaches `nearest` somewhere in a block of `side`²: if less was measured than one pixel of that
-    /// makes, the places of measurement missed it.
+    /// These errors, raised to what a single pixel of height `nearest` makes in a block of `side`²: a lobe can be so narrow that
+    /// the places where errors were measured miss it.
     pub(super) fn with_a_pixel_of(mut self, nearest: f64, side: usize) -> Self {
         let (rms, mean) = (nearest / side as f64, nearest / (side * side) as f64);
         if self.rms[0] < rms {
@@ -38,7 +38,8 @@ impl Errors {
     }
 }
 
-/// [`Errors`] as logarithms: 0 is exactly none, [`NEVER`] more than can be said, k + 1 is k's times the 32nd root of 2.
+/// [`Errors`] on a logarithmic scale: 0 stands for no error, [`NEVER`] for more than can be said, and each step from 1 on
+/// multiplies the error by the 32nd root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Codes {
     rms: Four,

@@ -1,4 +1,4 @@
-//! How wrong a reflectance with few samples a block is, measured before it is used.
+//! The error of a reflectance that is read at few samples a block: measured once for each lobe, looked up in every frame.
 //!
 //! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is at most
 //!   free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
