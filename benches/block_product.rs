@@ -5,7 +5,9 @@
 use std::hint::black_box;
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockLayout, LightForms, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{
+    Basis, BlockAngle, BlockLayout, LightForms, Relighter, Rule, Settings, Transport,
+};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -92,9 +94,11 @@ fn main() {
     let vertices = stage.model.mesh.positions().len();
     for (name, specs) in MATERIALS {
         let materials = Arc::new(materials(&stage.model, specs));
-        for (rule_name, rule) in
-            [("bounded", Rule::default()), ("fixed", Rule::Fixed { sound: true }), ("pixels", Rule::Pixels)]
-        {
+        for (rule_name, rule) in [
+            ("bounded", Rule::default()),
+            ("fixed", Rule::Fixed { angle: BlockAngle::Nearest }),
+            ("pixels", Rule::Pixels),
+        ] {
             let settings = Settings { rule, ..Settings::default() };
             let mut relighter =
                 Relighter::new(&stage.model.mesh, &stage.transport, settings).expect("one mesh throughout");

@@ -10,10 +10,11 @@ use std::time::{Duration, Instant};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haarmonic::Real;
 use haarmonic::haar::{
-    BitPyramid, Decomposition, Factor, MaskedSum, MeanTree, NFoldProduct, NgTree, NgTripleProduct, Quadtree, Route,
-    SparseVector, TripleProduct, Visibility, forward_2d, rows_to_morton, upper_means,
+    BitPyramid, Decomposition, Factor, MaskedSum, MeanTree, NFoldProduct, Quadtree, Route, SparseVector, TripleProduct,
+    Visibility, forward_2d, rows_to_morton, upper_means,
 };
 use haarmonic::reference::haar as naive;
+use haarmonic::reference::haar::{NgTree, NgTripleProduct};
 
 const SCENES: usize = 32;
 

@@ -92,6 +92,7 @@ pub(crate) fn try_chunks<T: Send, S>(
 
 /// Cuts `out` into as many chunks as there is scratch, at most, each a multiple of `multiple` long (but the last), and calls
 /// `f(first, chunk, scratch)` for each, `first` the number of its first element. Nothing is allocated.
+#[allow(dead_code, reason = "for those back ends that ask for it")]
 pub(crate) fn with_scratch<T: Send, S: Send>(
     out: &mut [T],
     multiple: usize,

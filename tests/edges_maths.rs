@@ -6,9 +6,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use haarmonic::affine::{
     AffineMap, AffineProduct1d, AffineProduct2d, Atom, CanonicalTable, Filter, Heuristic, LightField, MapGrid, Mother,
     Nonzeros1d, NonzerosNonstandard, Operator1d, Prediction, Propagation, PropagationSource, Quantisation,
-    StoredCouplings, Targets, TripleNonzeros1d, TripleNonzerosNonstandard, canonical, canonical_gradient, coupling,
-    coupling_1d, coupling_gradient, coupling_gradient_1d, fourier_coupling, fourier_tripling_count, mean_squares_1d,
-    mean_squares_2d, pixel_coupling, pixel_coupling_bound, transform_1d, tripling, tripling_1d,
+    StoredCouplings, Targets, TripleNonzeros1d, TripleNonzerosNonstandard, apply_map_1d, canonical, canonical_gradient,
+    coupling, coupling_1d, coupling_gradient, coupling_gradient_1d, mean_squares_1d, mean_squares_2d, tripling,
+    tripling_1d,
 };
 use haarmonic::compress::{
     BiclusterSettings, Biclustering, BinaryMaps, ByteBlocks, ClusteredPca, ClusteredPcaSettings, Distortion, GrayMaps,
@@ -16,13 +16,16 @@ use haarmonic::compress::{
 };
 use haarmonic::dct::{BlockDct, LowProjection};
 use haarmonic::haar::{
-    BinaryTree, BitPyramid, Decomposition, Keep, MaskedSum, MeanTree, NgTree, Product1d, Product2d, Pyramid, Quadtree,
+    BinaryTree, BitPyramid, Decomposition, Keep, MaskedSum, MeanTree, Product1d, Product2d, Pyramid, Quadtree,
     Selection, SparseVector, Transform1d, Transform2d, TripleProduct, Weighting, forward_1d, forward_2d, select,
     transport_weights, tripling_1d as haar_tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d,
     tripling_nonzeros_1d, tripling_nonzeros_2d,
 };
 use haarmonic::nalgebra::{Matrix3, Rotation3, Vector3};
 use haarmonic::numeric::{CompensatedSum, GaussLegendre, legendre, safe_acos, safe_asin, safe_sqrt};
+use haarmonic::reference::affine::fourier_basis::{fourier_coupling, fourier_tripling_count};
+use haarmonic::reference::affine::pixel_basis::{pixel_coupling, pixel_coupling_bound};
+use haarmonic::reference::haar::NgTree;
 use haarmonic::sphere::{
     CubeGrid, CubeMap, Face, HemisphereDisk, LatLongGrid, LatLongMap, Resampling, SphereQuadrature,
     fibonacci_directions,
@@ -140,8 +143,8 @@ fn affine_constructors() {
         Operator1d::<f32>::new(1 << 25, ID) => Range,
         Operator1d::<f64>::new(1 << 63, ID) => Range,
         Operator1d::<f64>::new(1, ID) => Fine,
-        transform_1d::<f64>(&[], ID) => Power,
-        transform_1d(&[NAN, 1.0], ID) => Fine,
+        apply_map_1d::<f64>(&[], ID) => Power,
+        apply_map_1d(&[NAN, 1.0], ID) => Fine,
         Propagation::<f32>::new(HUGE, STANDARD) => Range,
         Propagation::<f32>::new(0, STANDARD) => Power,
         Targets::all(1 << 63, NONSTANDARD) => Range,

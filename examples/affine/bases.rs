@@ -1,9 +1,8 @@
 //! The complexities of several bases next to each other [Sun 2008, §4.4.3].
 
-use haarmonic::affine::{
-    AffineMap, Nonzeros1d, TripleNonzeros1d, fourier_coupling_nonzeros, fourier_tripling_count,
-    pixel_coupling_nonzeros, pixel_tripling_nonzeros,
-};
+use haarmonic::affine::{AffineMap, Nonzeros1d, TripleNonzeros1d};
+use haarmonic::reference::affine::fourier_basis::{fourier_coupling_nonzeros, fourier_tripling_count};
+use haarmonic::reference::affine::pixel_basis::{pixel_coupling_nonzeros, pixel_tripling_nonzeros};
 use serde_json::{Value, json};
 
 use crate::support::Failure;

@@ -2,7 +2,7 @@
 
 /// a·b = high + low.
 #[inline]
-pub(super) fn exact_product(a: f64, b: f64) -> (f64, f64) {
+pub(crate) fn exact_product(a: f64, b: f64) -> (f64, f64) {
     let high = a * b;
     (high, a.mul_add(b, -high))
 }

@@ -22,7 +22,7 @@
 //! | memory, few (s, o) | couplings looked up | [`StoredCouplings`] |
 //! | sparse F, G, W | ∫ F(s v + o) G W dv and its gradient | [`AffineProduct1d`], [`AffineProduct2d`] |
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |
-//! | curiosity | the same in pixels and Fourier series | [`pixel_coupling`], [`fourier_coupling`] |
+//! | curiosity | the same in pixels and Fourier series | `reference::affine::pixel_basis`, `fourier_basis` |
 //!
 //! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift with
 //! s and with the machine):
@@ -53,15 +53,14 @@ mod atom;
 mod atom_product;
 mod canonical;
 mod coupling;
-mod exact_sum;
-mod fourier;
+pub(crate) mod exact_sum;
 mod grid;
 mod light_field;
 mod map;
 mod met;
 mod operator_1d;
 mod overlap;
-mod pixel;
+pub(crate) mod pixel;
 mod prediction;
 mod product;
 mod propagation;
@@ -78,17 +77,10 @@ pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
     coupling_nonstandard, coupling_standard,
 };
-pub use fourier::{
-    fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
-};
 pub use grid::{MapGrid, NearestMap};
 pub use light_field::{LightField, LightFieldTerm};
 pub use map::{AffineMap, Parameter};
-pub use operator_1d::{Operator1d, transform_1d};
-pub use pixel::{
-    pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
-    pixel_tripling, pixel_tripling_nonzeros,
-};
+pub use operator_1d::{Operator1d, apply_map_1d};
 pub use prediction::{Heuristic, Prediction, mean_squares_1d, mean_squares_2d};
 pub use product::{
     AffineProduct1d, AffineProduct2d, ProductGradient, ProductRoute, affine_double_product_1d,

@@ -182,7 +182,7 @@ fn push<T: Real>(target: &mut Vec<u32>, value: &mut Vec<T>, j: usize, d: f64) {
 ///
 /// # Errors
 /// As [`Operator1d::new`], of the number of coefficients.
-pub fn transform_1d<T: Real>(source: &[T], map: AffineMap) -> Result<Vec<T>> {
+pub fn apply_map_1d<T: Real>(source: &[T], map: AffineMap) -> Result<Vec<T>> {
     let operator = Operator1d::new(source.len(), map)?;
     let mut target = vec![T::zero(); source.len()];
     operator.apply(source, &mut target);

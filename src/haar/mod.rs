@@ -28,7 +28,6 @@
 //!
 //! docs/haar.md has the theory and what was measured.
 
-mod coupling;
 mod index;
 mod layout;
 mod n_fold;
@@ -40,11 +39,10 @@ mod sparse;
 mod transform_1d;
 mod transform_2d;
 pub(crate) mod transform_kernels;
-mod triple;
+pub(crate) mod triple;
 mod tripling;
 pub(crate) mod wavelet_tree;
 
-pub use coupling::coupling;
 pub use index::{Index1d, Index2d, Kind};
 pub use layout::{PyWaveletsLayout, from_pywavelets_1d, from_pywavelets_2d, to_pywavelets_1d, to_pywavelets_2d};
 pub use n_fold::NFoldProduct;
@@ -56,8 +54,8 @@ pub use sparse::SparseVector;
 pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
 pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};
 pub use triple::{
-    BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NgTree, NgTripleProduct, Route, SparseNodes, TripleProduct,
-    Visibility, rows_to_morton, upper_means,
+    BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, Route, SparseNodes, TripleProduct, Visibility,
+    rows_to_morton, upper_means,
 };
 pub use tripling::{
     Tripling, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,

@@ -1,8 +1,10 @@
 //! Twins of [`haar`](crate::haar): every number is a sum over basis functions written out from their definition.
 
+mod ng;
 mod product;
 mod transform;
 
+pub use ng::{NgTree, NgTripleProduct};
 pub use product::{
     masked_sum, product_1d, product_2d, product_integral, triple_sum_1d, triple_sum_2d, tripling_1d, tripling_2d,
 };

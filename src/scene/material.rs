@@ -5,9 +5,6 @@ use std::sync::Arc;
 use super::Brdf;
 use crate::{Error, Result};
 
-/// What every method calls a value of a BRDF that it refuses; the error's index is the BRDF's in [`Materials::brdfs`].
-pub(crate) const BRDF_VALUE: &str = "value of BRDF";
-
 /// One BRDF for each part of a mesh, and the part that each vertex belongs to.
 #[derive(Debug, Clone)]
 pub struct Materials {
@@ -90,7 +87,12 @@ impl Materials {
 
     /// What says that the BRDF of a vertex, whose part is the index, has values that are NaN or infinite.
     pub(crate) fn not_finite(&self, vertex: usize) -> Error {
-        Error::NotFinite { what: BRDF_VALUE, index: self.part(vertex) }
+        Self::part_not_finite(self.part(vertex))
+    }
+
+    /// The same of the BRDF of a part.
+    pub(crate) fn part_not_finite(index: usize) -> Error {
+        Error::NotFinite { what: "value of BRDF", index }
     }
 
     /// Checks that there is a part for each of `vertices`.

@@ -24,7 +24,6 @@ pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
 pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
-pub(crate) use material::BRDF_VALUE;
 pub use material::Materials;
 pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};

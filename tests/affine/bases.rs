@@ -3,13 +3,16 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::support::{assert_close, golden, rational};
-use haarmonic::affine::{
-    AffineMap, fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling,
-    fourier_tripling_count, pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros,
-    pixel_coupling_slope, pixel_tripling, pixel_tripling_nonzeros,
-};
+use haarmonic::affine::AffineMap;
 use haarmonic::nalgebra::{Complex, DVector};
 use haarmonic::reference::affine as naive;
+use haarmonic::reference::affine::fourier_basis::{
+    fourier_coupling, fourier_coupling_matrix, fourier_coupling_nonzeros, fourier_tripling, fourier_tripling_count,
+};
+use haarmonic::reference::affine::pixel_basis::{
+    pixel_coupling, pixel_coupling_bound, pixel_coupling_gradient, pixel_coupling_nonzeros, pixel_coupling_slope,
+    pixel_tripling, pixel_tripling_nonzeros,
+};
 use haarmonic::strategies::{affine_map, dyadic_map, power_of_two};
 use proptest::prelude::*;
 use serde_json::Value;

@@ -4,7 +4,7 @@ use crate::support::map;
 use haarmonic::Real;
 use haarmonic::affine::{
     AffineMap, Axis, Operator1d, Parameter, Propagation, PropagationRoute, PropagationScratch, PropagationSource,
-    Targets, transform_1d,
+    Targets, apply_map_1d,
 };
 use haarmonic::haar::{Decomposition, SparseVector, forward_1d, forward_2d, inverse_1d, inverse_2d};
 use haarmonic::reference::affine as naive;
@@ -103,13 +103,13 @@ fn one_axis_equals_the_twin() {
         let samples = noise(size, size as u64);
         let coefs = forward_1d(&samples).unwrap();
         for m in maps() {
-            let got = inverse_1d(&transform_1d(&coefs, m).unwrap()).unwrap();
+            let got = inverse_1d(&apply_map_1d(&coefs, m).unwrap()).unwrap();
             // A breakpoint is rounded by ε/2, which is N ε/2 of a cell; worst seen: 65 ε at N = 128.
             let tolerance = 8.0 + size as f64;
             let want = naive::resample_1d(&samples, m);
             assert_all_close(&got, &want, tolerance * f64::EPSILON, &format!("{size}, {m:?}"));
             let single: Vec<f32> = coefs.iter().map(|&c| c as f32).collect();
-            let got = inverse_1d(&transform_1d(&single, m).unwrap()).unwrap();
+            let got = inverse_1d(&apply_map_1d(&single, m).unwrap()).unwrap();
             // Here the breakpoints are as good as exact; sums and couplings are rounded.
             assert_all_close(&widen(&got), &want, 16.0 * f64::from(f32::EPSILON), &format!("f32, {size}, {m:?}"));
         }
@@ -277,7 +277,7 @@ fn energy_is_lost_as_the_resolution_demands() {
     let (size, m) = (32, map(2.0, -0.5));
     let lost = |samples: &[f64]| {
         let mean = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
-        let seen = inverse_1d(&transform_1d(&forward_1d(samples).unwrap(), m).unwrap()).unwrap();
+        let seen = inverse_1d(&apply_map_1d(&forward_1d(samples).unwrap(), m).unwrap()).unwrap();
         1.0 - 2.0 * mean(&seen) / mean(samples)
     };
     let step: Vec<f64> = (0..size).map(|k| if k < 13 { 1.0 } else { 0.0 }).collect();
@@ -412,7 +412,7 @@ proptest! {
     #[test]
     fn any_signal_through_any_map(samples in haar_signal::<f64>(6), m in affine_map()) {
         let coefs = forward_1d(&samples).unwrap();
-        let got = inverse_1d(&transform_1d(&coefs, m).unwrap()).unwrap();
+        let got = inverse_1d(&apply_map_1d(&coefs, m).unwrap()).unwrap();
         let want = naive::resample_1d(&samples, m);
         assert_all_close(&got, &want, 64.0 * f64::EPSILON * largest(&samples), &format!("{m:?}"));
     }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockLayout, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Basis, BlockAngle, BlockLayout, Relighter, Rule, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -76,7 +76,7 @@ fn frames_allocate_nothing_once_the_materials_are_known() {
     on_one_thread(|| {
         let model = Procedural::TorusKnotOnFloor.build(1000).unwrap();
         for transport in transports(&model) {
-            for rule in [Rule::default(), Rule::Fixed { sound: true }, Rule::Pixels] {
+            for rule in [Rule::default(), Rule::Fixed { angle: BlockAngle::Nearest }, Rule::Pixels] {
                 frames(&model, &transport, rule);
             }
         }

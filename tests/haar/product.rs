@@ -3,12 +3,13 @@
 use crate::support::{assert_close, golden};
 use haarmonic::Real;
 use haarmonic::haar::{
-    BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, NgTree, NgTripleProduct,
-    Product1d, Product2d, Quadtree, Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility,
-    multiply_sparse_1d, multiply_sparse_2d, rows_to_morton, tripling_1d, tripling_2d, tripling_count_1d,
-    tripling_count_2d, tripling_nonzeros_1d, tripling_nonzeros_2d, upper_means,
+    BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, Product1d, Product2d, Quadtree,
+    Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d,
+    rows_to_morton, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,
+    tripling_nonzeros_2d, upper_means,
 };
 use haarmonic::reference::haar as naive;
+use haarmonic::reference::haar::{NgTree, NgTripleProduct};
 use proptest::prelude::*;
 use serde_json::Value;
 

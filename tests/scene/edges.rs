@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{self, BlockLayout, Rule};
+use haarmonic::backend::block_product::{self, BlockAngle, BlockLayout, Rule};
 use haarmonic::backend::wavelet_double as double;
 use haarmonic::backend::wavelet_triple::{self as triple, Slices};
 use haarmonic::compress::ScanOrder;
@@ -396,7 +396,7 @@ impl Stage {
             ("triple, few terms", self.triple(light, Slices::Sampled, few)),
             ("triple, tabulated", self.triple(light, Slices::Tabulated(8), few)),
             ("blocks, bounded", self.blocks(light, Rule::default())),
-            ("blocks, fixed", self.blocks(light, Rule::Fixed { sound: true })),
+            ("blocks, fixed", self.blocks(light, Rule::Fixed { angle: BlockAngle::Nearest })),
             ("blocks, pixels", self.blocks(light, Rule::Pixels)),
         ]
     }

@@ -1,7 +1,7 @@
 //! Locally adaptive products, and the same transport pixel by pixel as their baseline.
 
 use haarmonic::backend::block_product::{
-    BlockLayout, FrameStats, Relighter, Rule, Settings, Transport, TransportStats,
+    BlockAngle, BlockLayout, FrameStats, Relighter, Rule, Settings, Transport, TransportStats,
 };
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
@@ -87,8 +87,8 @@ fn bake(stage: &Stage) -> Result<(Transport, f64), Failure> {
 fn rule(args: &Args) -> Result<Rule, Failure> {
     Ok(match args.rule {
         Sampling::Bounded => Rule::bounded(args.tolerance)?,
-        Sampling::Fixed => Rule::Fixed { sound: false },
-        Sampling::FixedSound => Rule::Fixed { sound: true },
+        Sampling::Fixed => Rule::Fixed { angle: BlockAngle::Centre },
+        Sampling::FixedSound => Rule::Fixed { angle: BlockAngle::Nearest },
         Sampling::Pixels => Rule::Pixels,
     })
 }

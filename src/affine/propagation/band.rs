@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use crate::Real;
 use crate::affine::exact_sum::{exact_product, exact_sum};
-use crate::affine::{AffineMap, Parameter, pixel_coupling_slope};
+use crate::affine::pixel::pixel_coupling_slope;
+use crate::affine::{AffineMap, Parameter};
 
 /// What the weights are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,7 +9,7 @@ use super::live::Live;
 use super::lobes::{Lobe, Model, Plan, Sampling};
 use super::products::{Cut, LobeSum, Moments};
 use super::relighter::Relighter;
-use super::rule::{PIXELS, Rule, fixed};
+use super::rule::{BlockAngle, PIXELS, Rule, fixed};
 use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
 use super::stats::FrameStats;
@@ -186,8 +186,8 @@ impl Frame<'_, '_> {
             Sampling::Pixels => cases.set(live, |_| PIXELS),
             Sampling::Fixed(exponent) => {
                 let fixed = fixed(*exponent);
-                let sound = matches!(self.relighter.settings.rule, Rule::Fixed { sound: true });
-                let limits = &directions.limits[usize::from(sound)];
+                let nearest = matches!(self.relighter.settings.rule, Rule::Fixed { angle: BlockAngle::Nearest });
+                let limits = &directions.limits[usize::from(nearest)];
                 cases.set(live, |live| {
                     let block = live.block as usize;
                     let (cosine, [near, middle]) = (dot(seen.mirror, at(&directions.centres, block)), limits[block]);

@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, Symmetry, WideBounds, WideNodes, local_axes, offset};
 use super::rule::Rule;
 use super::tables::Radii;
-use crate::scene::{BRDF_VALUE, BlinnPhong, Brdf, CookTorrance, Eval, Phong, Reflectance, Structure, Ward};
-use crate::{Error, Result};
+use crate::Result;
+use crate::scene::{BlinnPhong, Brdf, CookTorrance, Eval, Materials, Phong, Reflectance, Structure, Ward};
 
 /// A material as a frame uses it.
 #[derive(Debug, Clone)]
@@ -134,7 +134,7 @@ impl Planner {
         }
         for (index, brdf) in brdfs.iter().enumerate() {
             if !is_finite(brdf.as_ref()) {
-                return Err(Error::NotFinite { what: BRDF_VALUE, index });
+                return Err(Materials::part_not_finite(index));
             }
         }
         let plans: Result<Vec<Plan>> = brdfs.iter().map(|brdf| self.plan(brdf)).collect();

@@ -48,6 +48,6 @@ pub use interpolation::Basis;
 pub use layout::BlockLayout;
 pub use light::LightForms;
 pub use relighter::{Relighter, Settings};
-pub use rule::Rule;
+pub use rule::{BlockAngle, Rule};
 pub use stats::FrameStats;
 pub use transport::{Transport, TransportStats};

@@ -19,12 +19,21 @@ pub enum Rule {
     ///
     /// Lobes other than Phong's go by the Phong exponent of the same width.
     Fixed {
-        /// Lessens the angle by the block's radius. As printed (`false`), a block just outside π/8 counts as smooth although it
-        /// may hold .87 of the peak of a lobe of exponent 100.
-        sound: bool,
+        /// To what the angle is taken.
+        angle: BlockAngle,
     },
     /// Every block through its pixels (line 11 of algorithm 1): the baseline that the paper's speed-ups are against.
     Pixels,
+}
+
+/// To what of a block [`Rule::Fixed`] takes the angle from the mirror direction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BlockAngle {
+    /// Its centre, as printed: a block just outside π/8 counts as smooth although it may hold .87 of the peak of a lobe of
+    /// exponent 100.
+    Centre,
+    /// Its nearest point: the angle to the centre, less the block's radius.
+    Nearest,
 }
 
 impl Rule {

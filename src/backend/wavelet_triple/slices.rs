@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 
 use super::relighter::slice_of;
 use crate::haar::{Decomposition, Factor, Keep, Selection, SelectionScratch, SparseVector, Transform2d, Weighting};
-use crate::scene::{BRDF_VALUE, Brdf, DirectionTable, Frame, Materials, Mesh, View};
+use crate::scene::{Brdf, DirectionTable, Frame, Materials, Mesh, View};
 use crate::sphere::CubeGrid;
-use crate::{Error, Result, parallel};
+use crate::{Result, parallel};
 
 /// Samples slices and thins them to few wavelets; memory for one slice at a time.
 #[derive(Debug, Clone)]
@@ -44,7 +44,7 @@ impl SliceSampler {
         let len = brdf.planes() * self.directions.len();
         brdf.sample_cos(frame, wo, &self.directions, &mut self.samples[..len]);
         if !self.samples[..len].iter().all(|x| x.is_finite()) {
-            return Err(Error::NotFinite { what: BRDF_VALUE, index: part });
+            return Err(Materials::part_not_finite(part));
         }
         Ok(len)
     }

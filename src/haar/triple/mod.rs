@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | flat merge | [`SparseNodes`] and [`MeanTree`] of L and B, V's means or bits | 3 cycles a kept node (means), 8 (bits) | few terms |
 //! | masked pixels | texels of L and B, V's bits | 1 cycle for 4 to 6 texels | many terms |
-//! | Ng's recursion ([`NgTripleProduct`]) | quadtrees of L and B, V's coefficients | 40 cycles a kept node or ancestor | to compare with the paper |
+//! | Ng's recursion (`reference::haar::NgTripleProduct`) | quadtrees of L and B, V's coefficients | 40 cycles a kept node or ancestor | to compare with the paper |
 //!
 //! Everything is stored in quadtree (Morton) order: squares of the tree are then runs of texels and bits. Bits instead
 //! of means of V cost twice the time of a merge and a 25th of the memory. Measured with AVX2 by the bench
@@ -17,20 +17,18 @@ mod engine;
 mod masked;
 mod mean_tree;
 mod merge;
-mod ng;
 mod nodes;
 
 pub use bits::{BitPyramid, BitPyramidRef, rows_to_morton, upper_means};
 pub use engine::{Factor, Route, TripleProduct, Visibility};
 pub use masked::MaskedSum;
 pub use mean_tree::MeanTree;
-pub use ng::{NgTree, NgTripleProduct};
 pub use nodes::SparseNodes;
 
 use crate::{Error, Result};
 
 /// log₂ of a side.
-fn levels_of(side: usize) -> Result<u32> {
+pub(crate) fn levels_of(side: usize) -> Result<u32> {
     if !side.is_power_of_two() {
         return Err(Error::NotPowerOfTwo { what: "side", got: side });
     }

@@ -8,7 +8,9 @@
 mod exact;
 mod exact_value;
 mod fourier;
+pub mod fourier_basis;
 mod integrals;
+pub mod pixel_basis;
 mod resample;
 mod steps;
 

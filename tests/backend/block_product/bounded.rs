@@ -1,7 +1,7 @@
 //! The rule that measures: errors within its tolerance.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Basis, BlockAngle, Relighter, Rule, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -303,7 +303,7 @@ fn brightness_does_not_matter() {
     let maps = above(&mesh, 32, patchwork(32, 16, 3));
     let transport = Transport::from_clipped(&maps, &layout(32, 16, ScanOrder::Serpentine)).unwrap();
     let light = sky(32);
-    for rule in [Rule::Pixels, Rule::Fixed { sound: true }, Rule::default()] {
+    for rule in [Rule::Pixels, Rule::Fixed { angle: BlockAngle::Nearest }, Rule::default()] {
         let settings = Settings { rule, ..Settings::default() };
         let of = |factor: f32| {
             let light = light.map(|l| l * factor);

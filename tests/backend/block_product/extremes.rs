@@ -2,15 +2,19 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, LightForms, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Basis, BlockAngle, LightForms, Rule, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Brdf, BrdfFn, CookTorrance, Lambert, Phong, Sum, Ward};
 
 use super::support::{above, constant, frame, in_turn, layout, lobe, noisy, patchwork, soup, view};
 
-const RULES: [Rule; 4] =
-    [Rule::Pixels, Rule::Fixed { sound: true }, Rule::Bounded { tolerance: 0.1 }, Rule::Bounded { tolerance: 0.0 }];
+const RULES: [Rule; 4] = [
+    Rule::Pixels,
+    Rule::Fixed { angle: BlockAngle::Nearest },
+    Rule::Bounded { tolerance: 0.1 },
+    Rule::Bounded { tolerance: 0.0 },
+];
 
 fn lobes() -> Vec<Arc<dyn Brdf>> {
     let rgb = [0.9, 0.5, 0.2];

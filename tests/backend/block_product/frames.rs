@@ -1,7 +1,7 @@
 //! Frames: darkness, pictures, counts, threads, change.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, FrameStats, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Basis, BlockAngle, FrameStats, Relighter, Rule, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Camera, CookTorrance, Lambert, Materials, Mesh, Model, Phong, Procedural, Sum, View};
@@ -9,7 +9,7 @@ use haarmonic::scene::{Camera, CookTorrance, Lambert, Materials, Mesh, Model, Ph
 use super::support::{above, baker, constant, frame, in_turn, layout, lobe, noisy, patchwork, sky, soup, view};
 
 fn rules() -> [Rule; 4] {
-    [Rule::Pixels, Rule::Fixed { sound: false }, Rule::default(), Rule::bounded(0.5).unwrap()]
+    [Rule::Pixels, Rule::Fixed { angle: BlockAngle::Centre }, Rule::default(), Rule::bounded(0.5).unwrap()]
 }
 
 fn settings(rule: Rule) -> Settings {

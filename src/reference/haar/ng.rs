@@ -1,8 +1,9 @@
 //! The triple-product integral of [Ng, Ramamoorthi & Hanrahan 2004]: a recursion over the quadtree with parent sums.
 
-use super::super::SparseVector;
-use super::super::wavelet_tree::{NONE, morton};
 use crate::error::check_length;
+use crate::haar::SparseVector;
+use crate::haar::triple::levels_of;
+use crate::haar::wavelet_tree::{NONE, morton};
 use crate::{Error, Real, Result};
 
 /// A sparse 2D signal as a quadtree of details, the form that [`NgTripleProduct`] traverses.
@@ -30,7 +31,7 @@ impl<T: Real> NgTree<T> {
         if !len.is_power_of_two() || len.ilog2() % 2 == 1 {
             return Err(Error::NotPowerOfTwo { what: "the side of a 2D signal", got: len });
         }
-        let mut tree = Self { levels: super::levels_of(1 << (len.ilog2() / 2))?, mean: T::zero(), nodes: Vec::new() };
+        let mut tree = Self { levels: levels_of(1 << (len.ilog2() / 2))?, mean: T::zero(), nodes: Vec::new() };
         for (flat, value) in coefficients.iter() {
             let Some(log) = flat.checked_ilog2() else {
                 tree.mean = value;

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use nalgebra::{Complex, DMatrix};
 
-use super::AffineMap;
-use super::exact_sum::exact_product;
+use crate::affine::AffineMap;
+use crate::affine::exact_sum::exact_product;
 
 /// Affine coupling of two functions φ_p(v) = (2π)^{−1/2} e^{ipv} of the Fourier basis on [0, 2π].
 ///
@@ -21,7 +21,8 @@ use super::exact_sum::exact_product;
 ///
 /// # Example
 /// ```
-/// use haarmonic::affine::{AffineMap, fourier_coupling};
+/// use haarmonic::affine::AffineMap;
+/// use haarmonic::reference::affine::fourier_basis::fourier_coupling;
 /// let twice = AffineMap::new(2.0, 0.0)?;
 /// assert_eq!(fourier_coupling(3, 6, twice).re, 1.0);
 /// assert_eq!(fourier_coupling(3, 5, twice).norm(), 0.0);
@@ -68,7 +69,8 @@ pub fn fourier_coupling_matrix(frequencies: Range<i64>, map: AffineMap) -> DMatr
 ///
 /// # Example
 /// ```
-/// use haarmonic::affine::{AffineMap, fourier_coupling_nonzeros};
+/// use haarmonic::affine::AffineMap;
+/// use haarmonic::reference::affine::fourier_basis::fourier_coupling_nonzeros;
 /// let count = |s| fourier_coupling_nonzeros(-8..8, AffineMap::new(s, 0.3).unwrap()).count();
 /// assert_eq!((count(1.0), count(2.0), count(1.1)), (16, 8, 16 * 16 - 15));
 /// ```
