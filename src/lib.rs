@@ -32,28 +32,12 @@
 #![cfg_attr(feature = "io", doc = "| [`io`] | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
 #![cfg_attr(not(feature = "io"), doc = "| `io` | files: OBJ, PLY, glTF; HDR, EXR, PNG | `io` |")]
 #![cfg_attr(
-    feature = "wavelet_double",
-    doc = "| [`backend::wavelet_double`] | relighting by double products [Ng 2003] | `wavelet_double` |"
+    feature = "scene",
+    doc = "| [`backend`] | relighting methods, each with a feature of its own name: the table there has them | … |"
 )]
 #![cfg_attr(
-    not(feature = "wavelet_double"),
-    doc = "| `backend::wavelet_double` | relighting by double products [Ng 2003] | `wavelet_double` |"
-)]
-#![cfg_attr(
-    feature = "wavelet_triple",
-    doc = "| [`backend::wavelet_triple`] | relighting by triple products [Ng 2004] | `wavelet_triple` |"
-)]
-#![cfg_attr(
-    not(feature = "wavelet_triple"),
-    doc = "| `backend::wavelet_triple` | relighting by triple products [Ng 2004] | `wavelet_triple` |"
-)]
-#![cfg_attr(
-    feature = "block_product",
-    doc = "| [`backend::block_product`] | relighting by locally adaptive products [Inger 2013] | `block_product` |"
-)]
-#![cfg_attr(
-    not(feature = "block_product"),
-    doc = "| `backend::block_product` | relighting by locally adaptive products [Inger 2013] | `block_product` |"
+    not(feature = "scene"),
+    doc = "| `backend` | relighting methods, each with a feature of its own name | … |"
 )]
 #![cfg_attr(
     feature = "reference",

@@ -122,3 +122,59 @@ fn the_import_scanner_sees_what_it_must() {
     let text = "use crate::{Error, haar::{Transform2d, Index2d}, scene};\nlet x = crate::sphere::f(); // crate::io";
     assert_eq!(imports(text), ["Error", "haar", "scene", "sphere"]);
 }
+
+#[test]
+fn what_panics_by_contract_names_its_caller() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    let (mut wrong, mut seen) = (Vec::new(), 0);
+    for file in files {
+        let text = fs::read_to_string(&file).unwrap();
+        let (mut panics, mut tracked) = (false, false);
+        for (number, line) in text.lines().enumerate() {
+            let line = line.trim_start();
+            if line.starts_with("///") {
+                panics |= line.contains("# Panics");
+            } else if line.starts_with("#[") {
+                tracked |= line.contains("track_caller");
+            } else {
+                if panics && line.split('(').next().is_some_and(|head| head.split_whitespace().any(|word| word == "fn"))
+                {
+                    seen += 1;
+                    if !tracked {
+                        wrong.push(format!("{}:{}: {line}", file.strip_prefix(&src).unwrap().display(), number + 1));
+                    }
+                }
+                (panics, tracked) = (false, false);
+            }
+        }
+    }
+    assert!(seen > 200, "found only {seen}");
+    assert!(wrong.is_empty(), "#[track_caller] is missing:\n{}", wrong.join("\n"));
+}
+
+/// Characters of a line of prose.
+const COLUMNS: usize = 120;
+
+#[test]
+fn prose_fits_the_columns() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut pages: Vec<PathBuf> = ["README.md", "CONTRIBUTING.md"].iter().map(|page| root.join(page)).collect();
+    for folder in ["docs", "benches/peers"] {
+        let entries = fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        pages.extend(entries.filter(|path| path.extension().is_some_and(|e| e == "md")));
+    }
+    assert!(pages.len() > 10);
+    let mut wrong = Vec::new();
+    for page in pages {
+        let mut is_code = false;
+        for (number, line) in fs::read_to_string(&page).unwrap().lines().enumerate() {
+            is_code ^= line.starts_with("```");
+            if !is_code && line.chars().count() > COLUMNS {
+                wrong.push(format!("{}:{}", page.strip_prefix(root).unwrap().display(), number + 1));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "longer than {COLUMNS} characters:\n{}", wrong.join("\n"));
+}

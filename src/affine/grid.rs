@@ -80,6 +80,7 @@ impl MapGrid {
     ///
     /// # Panics
     /// Unless `scale` and `offset` are below the resolution.
+    #[track_caller]
     pub fn map(&self, scale: usize, offset: usize) -> AffineMap {
         self.within([scale, offset], [0.5; 2])
     }

@@ -68,6 +68,7 @@ impl<T: Real> Operator1d<T> {
     ///
     /// # Panics
     /// If `i` is not below [`size`](Self::size).
+    #[track_caller]
     #[inline]
     pub fn row(&self, i: usize) -> (&[u32], &[T]) {
         let range = self.start[i] as usize..self.start[i + 1] as usize;

@@ -177,6 +177,7 @@ impl<'a> StoredOperator<'a> {
     ///
     /// # Panics
     /// Unless `i` is below the size.
+    #[track_caller]
     #[inline]
     pub fn row(&self, i: usize) -> (&'a [u8], &'a [f32]) {
         assert!(i < self.size, "a source function beyond the size");

@@ -58,6 +58,7 @@ impl NFoldProduct {
     ///
     /// # Panics
     /// If there is no factor or the factors differ in size.
+    #[track_caller]
     pub fn integral<T: Real, const CHILDREN: usize>(&mut self, factors: &[&WaveletTree<T, CHILDREN>]) -> f64 {
         let constant = self.start(factors);
         self.integrate(factors, 0, constant)
@@ -70,6 +71,7 @@ impl NFoldProduct {
     ///
     /// # Panics
     /// If there is no factor or the factors differ in size.
+    #[track_caller]
     pub fn coefficients<T: Real, const CHILDREN: usize>(
         &mut self,
         factors: &[&WaveletTree<T, CHILDREN>],

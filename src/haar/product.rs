@@ -52,6 +52,7 @@ impl Product1d {
     ///
     /// # Panics
     /// If a length is wrong.
+    #[track_caller]
     pub fn apply<T: Real>(&self, f: &[T], g: &[T], out: &mut [T], scratch: &mut [T]) {
         let n = self.size;
         check_length("f", n, f.len());
@@ -126,6 +127,7 @@ impl Product2d {
     ///
     /// # Panics
     /// If a length is wrong.
+    #[track_caller]
     pub fn apply<T: Real>(&self, f: &[T], g: &[T], out: &mut [T], scratch: &mut [T]) {
         let n = self.side * self.side;
         check_length("f", n, f.len());

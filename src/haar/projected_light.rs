@@ -69,6 +69,7 @@ impl ProjectedLight {
     ///
     /// # Panics
     /// If `channel` > 2.
+    #[track_caller]
     pub fn texels(&self, channel: usize) -> &[f32] {
         &self.texels[channel]
     }
@@ -77,6 +78,7 @@ impl ProjectedLight {
     ///
     /// # Panics
     /// If `channel` > 2.
+    #[track_caller]
     pub fn coefficients(&self, channel: usize) -> &[f32] {
         &self.coefficients[channel]
     }
@@ -85,6 +87,7 @@ impl ProjectedLight {
     ///
     /// # Panics
     /// If `index` is out of range.
+    #[track_caller]
     #[inline]
     pub fn coefficient(&self, index: usize) -> [f32; 3] {
         [self.coefficients[0][index], self.coefficients[1][index], self.coefficients[2][index]]

@@ -80,6 +80,7 @@ impl<T: Real> SparseVector<T> {
     ///
     /// # Panics
     /// If `dense.len()` exceeds `u32::MAX`.
+    #[track_caller]
     pub fn from_dense(dense: &[T]) -> Self {
         let len = u32::try_from(dense.len()).expect("a sparse vector's length fits u32");
         let indices: Vec<u32> = (0..len).filter(|&i| dense[i as usize] != T::zero()).collect();

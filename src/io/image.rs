@@ -65,6 +65,7 @@ impl Image {
     ///
     /// # Panics
     /// If `x` ≥ width or `y` ≥ height.
+    #[track_caller]
     #[inline]
     pub fn pixel(&self, x: usize, y: usize) -> Vector3<f32> {
         assert!(x < self.width && y < self.height, "pixel ({x}, {y}) of a picture of {} × {}", self.width, self.height);

@@ -54,6 +54,7 @@ impl Materials {
     ///
     /// # Panics
     /// If `vertex` is out of range of a list that is not uniform.
+    #[track_caller]
     #[inline]
     pub fn part(&self, vertex: usize) -> usize {
         if self.parts.is_empty() { 0 } else { self.parts[vertex] as usize }
@@ -63,6 +64,7 @@ impl Materials {
     ///
     /// # Panics
     /// If `vertex` is out of range of a list that is not uniform.
+    #[track_caller]
     #[inline]
     pub fn brdf(&self, vertex: usize) -> &dyn Brdf {
         &*self.brdfs[self.part(vertex)]

@@ -411,6 +411,7 @@ impl Mesh {
     ///
     /// # Panics
     /// If `face` is out of range.
+    #[track_caller]
     #[inline]
     pub fn corners(&self, face: usize) -> [Vector3<f32>; 3] {
         self.faces[face].map(|i| self.positions[i as usize])
@@ -420,6 +421,7 @@ impl Mesh {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     #[inline]
     pub fn frame(&self, vertex: usize) -> Frame {
         let (normal, tangent) = (self.normals[vertex], self.tangents[vertex]);

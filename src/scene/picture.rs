@@ -85,6 +85,7 @@ impl Picture {
     ///
     /// # Panics
     /// If there is not one colour a vertex.
+    #[track_caller]
     pub fn shade(
         &self,
         colours: &[Vector3<f32>],

@@ -125,6 +125,7 @@ impl CubeGrid {
     ///
     /// # Panics
     /// If `index` ≥ [`len`](Self::len).
+    #[track_caller]
     #[inline]
     pub fn texel(self, index: usize) -> (Face, usize, usize) {
         let within = index % self.face_len();
@@ -141,6 +142,7 @@ impl CubeGrid {
     ///
     /// # Panics
     /// If `index` ≥ [`len`](Self::len).
+    #[track_caller]
     #[inline]
     pub fn direction(self, index: usize) -> UnitVector3<f64> {
         let (face, x, y) = self.texel(index);

@@ -77,6 +77,7 @@ impl LatLongGrid {
     ///
     /// # Panics
     /// If `index` ≥ [`len`](Self::len).
+    #[track_caller]
     #[inline]
     pub fn direction(self, index: usize) -> UnitVector3<f64> {
         assert!(index < self.len(), "pixel {index} of {}", self.len());

@@ -89,6 +89,7 @@ impl BlockLayout {
     ///
     /// # Panics
     /// If `path` or `block` is out of range.
+    #[track_caller]
     #[inline]
     pub fn texels(&self, path: usize, block: usize) -> &[u32] {
         assert!(path < 2 && block < self.blocks(), "block {block} along path {path} of {} blocks", self.blocks());
@@ -104,6 +105,7 @@ impl BlockLayout {
     ///
     /// # Panics
     /// If `block` is out of range.
+    #[track_caller]
     pub fn direction(&self, block: usize, x: f64, y: f64) -> Vector3<f64> {
         let along = self.grid.side() / self.side;
         let (face, by, bx) = (block / (along * along), block / along % along, block % along);
@@ -116,6 +118,7 @@ impl BlockLayout {
     ///
     /// # Panics
     /// If `block` is out of range.
+    #[track_caller]
     pub fn centre(&self, block: usize) -> Vector3<f64> {
         let middle = 0.5 * self.side as f64 - 0.5;
         self.direction(block, middle, middle)
@@ -125,6 +128,7 @@ impl BlockLayout {
     ///
     /// # Panics
     /// If `block` is out of range.
+    #[track_caller]
     pub fn radius(&self, block: usize) -> f64 {
         let (first, last) = (-0.5, self.side as f64 - 0.5);
         let centre = self.centre(block);

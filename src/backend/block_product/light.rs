@@ -137,6 +137,7 @@ impl LightForms {
     ///
     /// # Panics
     /// If `channel` > 2 or `block` is out of range.
+    #[track_caller]
     pub fn weights(&self, channel: usize, block: usize) -> &[f32] {
         &self.weights[channel][block * NODES..][..NODES]
     }

@@ -161,6 +161,7 @@ impl<'a> Relighter<'a> {
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
+    #[track_caller]
     pub fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
         self.needed.clear();
         self.frame(view, materials, out)
@@ -174,6 +175,7 @@ impl<'a> Relighter<'a> {
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
+    #[track_caller]
     pub fn relight_in_picture(
         &mut self,
         camera: &Camera,

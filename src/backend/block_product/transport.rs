@@ -201,6 +201,7 @@ impl Transport {
     ///
     /// # Panics
     /// If `vertex` or `block` is out of range.
+    #[track_caller]
     pub fn path(&self, vertex: usize, block: usize) -> usize {
         let blocks = self.layout.blocks();
         assert!(vertex < self.vertices() && block < blocks, "block {block} of vertex {vertex}");

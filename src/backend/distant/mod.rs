@@ -74,6 +74,7 @@ pub trait DistantRelighter: Send {
     ///
     /// # Panics
     /// Unless `out` has a value for each vertex.
+    #[track_caller]
     fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()>;
 
     /// Bytes in memory that grow with the number of vertices, beside the transport's.

@@ -84,6 +84,7 @@ impl<'a> Relighter<'a> {
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
+    #[track_caller]
     pub fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
         check_length("radiance of the vertices", self.transport.vertices, out.len());
         materials.check(out.len())?;

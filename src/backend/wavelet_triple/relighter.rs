@@ -124,6 +124,7 @@ impl<'a> Relighter<'a> {
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
+    #[track_caller]
     pub fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
         check_length("radiance of the vertices", self.mesh.positions().len(), out.len());
         materials.check(out.len())?;

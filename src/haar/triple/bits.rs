@@ -42,6 +42,7 @@ impl BitPyramid {
     ///
     /// # Panics
     /// If `side` is 0.
+    #[track_caller]
     pub const fn upper_len(side: usize) -> usize {
         first_node(block_levels(side.ilog2())) + 1
     }
@@ -92,6 +93,7 @@ impl BitPyramid {
     ///
     /// # Panics
     /// If the number of words is wrong.
+    #[track_caller]
     pub fn fill_from_rows(&mut self, rows: &[u64]) {
         check_length("words of bits", self.words.len(), rows.len());
         rows_to_morton(self.side(), rows, &mut self.words);
@@ -102,6 +104,7 @@ impl BitPyramid {
     ///
     /// # Panics
     /// If the number of words is wrong.
+    #[track_caller]
     pub fn fill_from_morton(&mut self, words: &[u64]) {
         check_length("words of bits", self.words.len(), words.len());
         self.words.copy_from_slice(words);
@@ -144,6 +147,7 @@ impl<'a> BitPyramidRef<'a> {
     ///
     /// # Panics
     /// If `side` is no power of two or a length is not [`BitPyramid::words_len`] or [`BitPyramid::upper_len`].
+    #[track_caller]
     #[inline]
     pub fn new(side: usize, words: &'a [u64], upper: &'a [[f32; 4]]) -> Self {
         assert!(side.is_power_of_two(), "side {side} is no power of two");
@@ -189,6 +193,7 @@ impl<'a> BitPyramidRef<'a> {
     ///
     /// # Panics
     /// If there is no such node.
+    #[track_caller]
     #[inline]
     pub fn child_means<T: Real>(&self, n: usize) -> [T; 4] {
         let level = super::nodes::level_of(n as u32);
@@ -253,6 +258,7 @@ const fn valid_bits(side: usize) -> u64 {
 ///
 /// # Panics
 /// If a length is not [`BitPyramid::words_len`] or [`BitPyramid::upper_len`].
+#[track_caller]
 pub fn upper_means(side: usize, words: &[u64], upper: &mut [[f32; 4]]) {
     check_length("words of bits", BitPyramid::words_len(side), words.len());
     check_length("table of means", BitPyramid::upper_len(side), upper.len());
@@ -273,6 +279,7 @@ pub fn upper_means(side: usize, words: &[u64], upper: &mut [[f32; 4]]) {
 ///
 /// # Panics
 /// If `side` is no power of two or a length is not [`BitPyramid::words_len`].
+#[track_caller]
 pub fn rows_to_morton(side: usize, rows: &[u64], words: &mut [u64]) {
     assert!(side.is_power_of_two(), "side {side} is no power of two");
     check_length("words of row-major bits", BitPyramid::words_len(side), rows.len());

@@ -151,6 +151,7 @@ impl TripleProduct {
     ///
     /// # Panics
     /// If the visibility's side is not the plan's.
+    #[track_caller]
     #[inline]
     pub fn route<T: Real, const C: usize>(
         &self,
@@ -202,6 +203,7 @@ impl TripleProduct {
     ///
     /// # Panics
     /// If a factor's side is not the plan's.
+    #[track_caller]
     #[inline]
     pub fn integral<T: Real, const C: usize>(
         &self,
@@ -217,6 +219,7 @@ impl TripleProduct {
     ///
     /// # Panics
     /// If a factor's side is not the plan's.
+    #[track_caller]
     pub fn integral_by<T: Real, const C: usize>(
         &self,
         route: Route,

@@ -42,6 +42,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If there are not ⌈texels / 64⌉ words.
+    #[track_caller]
     pub fn sum<T: Real>(&self, x: &[T], words: &[u64]) -> f64 {
         check_length("mask words", x.len().div_ceil(64), words.len());
         self.arch.dispatch(Single { x, words })
@@ -51,6 +52,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If x and y differ in length or there are not ⌈texels / 64⌉ words.
+    #[track_caller]
     pub fn dot<T: Real>(&self, x: &[T], y: &[T], words: &[u64]) -> f64 {
         self.dots([x], y, words)[0]
     }
@@ -59,6 +61,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If a channel and y differ in length or there are not ⌈texels / 64⌉ words.
+    #[track_caller]
     pub fn dots<T: Real, const C: usize>(&self, x: [&[T]; C], y: &[T], words: &[u64]) -> [f64; C] {
         for channel in x {
             if channel.len() != y.len() {
@@ -75,6 +78,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If x and y differ in length.
+    #[track_caller]
     pub fn dot_unmasked<T: Real>(&self, x: &[T], y: &[T]) -> f64 {
         check_length("texels", x.len(), y.len());
         self.arch.dispatch(Unmasked { x, y, z: None })
@@ -84,6 +88,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If lengths differ.
+    #[track_caller]
     pub fn dot_three<T: Real>(&self, x: &[T], y: &[T], z: &[T]) -> f64 {
         check_length("texels", x.len(), y.len());
         check_length("texels", x.len(), z.len());
@@ -94,6 +99,7 @@ impl MaskedSum {
     ///
     /// # Panics
     /// If x and out differ in length or there are not ⌈texels / 64⌉ words.
+    #[track_caller]
     pub fn mask<T: Real>(&self, x: &[T], words: &[u64], out: &mut [T]) {
         check_length("texels", x.len(), out.len());
         check_length("mask words", x.len().div_ceil(64), words.len());

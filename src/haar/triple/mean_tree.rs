@@ -92,6 +92,7 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     ///
     /// # Panics
     /// If the sides differ.
+    #[track_caller]
     pub fn fill(&mut self, nodes: &SparseNodes<T, C>) {
         check_length("side of the nodes", self.side(), nodes.side());
         for channel in 0..C {
@@ -134,6 +135,7 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     ///
     /// # Panics
     /// If there is no such node or channel.
+    #[track_caller]
     #[inline]
     pub fn mean(&self, n: usize, channel: usize) -> T {
         let (record, place) = place(n);
@@ -144,6 +146,7 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     ///
     /// # Panics
     /// If there is no such square or channel.
+    #[track_caller]
     pub fn mean_at(&self, level: u32, x: usize, y: usize, channel: usize) -> T {
         assert!(level <= self.levels && x >> level == 0 && y >> level == 0, "no square ({x}, {y}) on level {level}");
         self.mean(first_node(level) + morton(x, y), channel)

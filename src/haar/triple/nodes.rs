@@ -93,6 +93,7 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     ///
     /// # Panics
     /// If there is no such channel.
+    #[track_caller]
     #[inline]
     pub fn mean(&self, channel: usize) -> T {
         self.means[channel]
@@ -142,6 +143,7 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     ///
     /// # Panics
     /// If there is no such channel.
+    #[track_caller]
     pub fn to_sparse(&self, channel: usize) -> SparseVector<T> {
         let mut terms = vec![(0u32, self.means[channel])];
         for (&node, weights) in self.nodes.iter().zip(&self.weights) {

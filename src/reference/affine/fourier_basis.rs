@@ -42,6 +42,7 @@ pub fn fourier_coupling(p: i64, q: i64, map: AffineMap) -> Complex<f64> {
 ///
 /// # Panics
 /// If q − p leaves the range of `i64`.
+#[track_caller]
 pub fn fourier_tripling(n: i64, p: i64, q: i64, map: AffineMap) -> Complex<f64> {
     let difference = q.checked_sub(p).expect("q − p is an i64");
     fourier_coupling(n, difference, map) * TAU.sqrt().recip()

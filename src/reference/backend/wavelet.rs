@@ -9,6 +9,7 @@ use super::super::haar::{forward_nonstandard, inverse_nonstandard};
 ///
 /// # Panics
 /// Unless `texels` are six square faces.
+#[track_caller]
 pub fn coefficients(texels: &[f64]) -> Vec<f64> {
     assert_eq!(texels.len() % 6, 0, "six faces");
     texels.chunks(texels.len() / 6).flat_map(forward_nonstandard).collect()
@@ -18,6 +19,7 @@ pub fn coefficients(texels: &[f64]) -> Vec<f64> {
 ///
 /// # Panics
 /// Unless `texels` are six square faces and every index is one of their coefficients.
+#[track_caller]
 pub fn thinned(texels: &[f64], kept: &[u32]) -> Vec<f64> {
     let all = coefficients(texels);
     let mut few = vec![0.0; all.len()];
@@ -31,6 +33,7 @@ pub fn thinned(texels: &[f64], kept: &[u32]) -> Vec<f64> {
 ///
 /// # Panics
 /// As [`thinned`].
+#[track_caller]
 pub fn double_product(light: &[f64], transport: &[f64], kept: &[u32]) -> f64 {
     let (light, transport) = (coefficients(light), coefficients(transport));
     kept.iter().map(|&i| light[i as usize] * transport[i as usize]).sum()
@@ -42,6 +45,7 @@ pub fn double_product(light: &[f64], transport: &[f64], kept: &[u32]) -> f64 {
 ///
 /// # Panics
 /// As [`thinned`].
+#[track_caller]
 pub fn triple_product(
     (light, kept_of_light): (&[f64], &[u32]),
     (slice, kept_of_slice): (&[f64], &[u32]),

@@ -98,6 +98,7 @@ impl NgTripleProduct {
     ///
     /// # Panics
     /// If the sizes differ.
+    #[track_caller]
     pub fn integral<T: Real>(light: &NgTree<T>, brdf: &NgTree<T>, visibility: &[T]) -> f64 {
         check_length("side of the BRDF's tree (log₂)", light.levels as usize, brdf.levels as usize);
         check_length("coefficients of the visibility", 1 << (2 * light.levels), visibility.len());

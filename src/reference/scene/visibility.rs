@@ -47,6 +47,7 @@ pub fn occluded(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>, ba
 ///
 /// # Panics
 /// If `vertex` is out of range.
+#[track_caller]
 pub fn sees(mesh: &Mesh, vertex: usize, direction: &Vector3<f64>, back_faces: BackFaces) -> bool {
     let position = mesh.positions()[vertex].cast::<f64>();
     if mesh.normals()[vertex].cast::<f64>().dot(direction) <= 0.0 {

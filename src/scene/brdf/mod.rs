@@ -100,6 +100,7 @@ pub trait Brdf: Debug + Send + Sync {
     ///
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.
+    #[track_caller]
     fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         if is_poisoned(frame, wo, out) {
             return;
@@ -116,6 +117,7 @@ pub trait Brdf: Debug + Send + Sync {
     ///
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.
+    #[track_caller]
     fn sample_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, out: &mut [f32]) {
         out.fill(0.0);
         self.add_cos(frame, wo, directions, 1.0, out);

@@ -55,6 +55,7 @@ impl Model {
     ///
     /// # Panics
     /// If there are fewer values than parts.
+    #[track_caller]
     pub fn by_part<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.parts.iter().map(|&p| values[p as usize]).collect()
     }

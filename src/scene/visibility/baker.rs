@@ -172,6 +172,7 @@ impl VisibilityBaker {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     pub fn origin(&self, vertex: usize) -> Vector3<f64> {
         Vector3::from(self.scene.origins[vertex]).cast() / self.scene.bvh.scale()
     }
@@ -196,6 +197,7 @@ impl VisibilityBaker {
     ///
     /// # Panics
     /// If `vertex` is out of range or `words` has another length than [`words_per_vertex`](Self::words_per_vertex).
+    #[track_caller]
     pub fn bake_vertex(&self, vertex: usize, words: &mut [u64]) -> u64 {
         self.bake_vertex_with_scratch(vertex, words, &mut self.scratch())
     }
@@ -204,6 +206,7 @@ impl VisibilityBaker {
     ///
     /// # Panics
     /// As [`bake_vertex`](Self::bake_vertex), and if `scratch` is of a plan with another grid.
+    #[track_caller]
     pub fn bake_vertex_with_scratch(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
         check_length("visibility words of a vertex", self.words_per_vertex(), words.len());
         words.fill(0);
@@ -240,6 +243,7 @@ impl VisibilityBaker {
     ///
     /// # Panics
     /// If `vertex` or `texel` is out of range.
+    #[track_caller]
     pub fn sees_brute_force(&self, vertex: usize, texel: usize) -> bool {
         let (face, x, y) = self.grid.texel(texel);
         let direction = face.point(self.centres[x], self.centres[y]);

@@ -33,6 +33,7 @@ impl BinaryVisibility {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     pub fn vertex(&self, vertex: usize) -> &[u64] {
         let n = 6 * Self::words_per_face(self.grid);
         &self.words[vertex * n..][..n]
@@ -77,6 +78,7 @@ impl BinaryVisibility {
     ///
     /// # Panics
     /// If `vertex` or `texel` is out of range.
+    #[track_caller]
     pub fn sees(&self, vertex: usize, texel: usize) -> bool {
         let (face, within) = (texel / self.grid.face_len(), texel % self.grid.face_len());
         let word = self.vertex(vertex)[face * Self::words_per_face(self.grid) + within / 64];
@@ -87,6 +89,7 @@ impl BinaryVisibility {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     pub fn count_ones(&self, vertex: usize) -> usize {
         self.vertex(vertex).iter().map(|w| w.count_ones() as usize).sum()
     }

@@ -95,6 +95,7 @@ impl FractionalVisibility {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     pub fn vertex(&self, vertex: usize) -> &[u8] {
         &self.counts[vertex * self.grid.len()..][..self.grid.len()]
     }
@@ -103,6 +104,7 @@ impl FractionalVisibility {
     ///
     /// # Panics
     /// If `vertex` is out of range.
+    #[track_caller]
     pub fn values(&self, vertex: usize) -> impl ExactSizeIterator<Item = f32> {
         let most = (self.samples * self.samples) as f32;
         self.vertex(vertex).iter().map(move |&count| f32::from(count) / most)

@@ -73,6 +73,7 @@ impl WideNodes {
     ///
     /// # Panics
     /// If they are not of the same symmetry.
+    #[track_caller]
     pub(in crate::backend::block_product) fn worse(mut self, other: &Self) -> Self {
         assert_eq!(self.grid, other.grid, "errors of lobes of one kind");
         self.entries.iter_mut().zip(&other.entries).for_each(|(a, b)| *a = worse(*a, *b));
