@@ -178,3 +178,76 @@ fn prose_fits_the_columns() {
     }
     assert!(wrong.is_empty(), "longer than {COLUMNS} characters:\n{}", wrong.join("\n"));
 }
+
+/// The names after every occurrence of `prefix` that is a path's beginning: one, or those of a `{…}` behind which `::` follows.
+fn heads(code: &str, prefix: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices(prefix) {
+        if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':') {
+            continue;
+        }
+        let rest = &code[at + prefix.len()..];
+        let name = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+        match rest.strip_prefix('{') {
+            None => found.push(name(rest)),
+            Some(group) => {
+                let group = &group[..group.find('}').unwrap_or(group.len())];
+                let paths = group.split(',').map(str::trim).filter(|path| path.contains("::"));
+                found.extend(paths.map(name));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn no_two_modules_of_a_folder_import_each_other() {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    let folders: std::collections::BTreeSet<PathBuf> = files.iter().map(|f| f.parent().unwrap().to_owned()).collect();
+    let (mut circles, mut edges) = (Vec::new(), 0);
+    for folder in &folders {
+        // (module, those of the same folder that it imports)
+        let mut imports: std::collections::BTreeMap<String, Vec<String>> = Default::default();
+        for file in files.iter().filter(|file| file.starts_with(folder)) {
+            let inside = file.strip_prefix(folder).unwrap();
+            let parts: Vec<&str> = inside.iter().map(|part| part.to_str().unwrap()).collect();
+            let module = parts[0].trim_end_matches(".rs");
+            if module == "mod" || module == "lib" {
+                continue;
+            }
+            // A file's `super` is its folder, that of a folder's mod.rs the folder above.
+            let is_mod = parts.len() > 1 && parts.last() == Some(&"mod.rs");
+            let depth = parts.len() - usize::from(is_mod);
+            let code = code(&fs::read_to_string(file).unwrap());
+            let room = folder.strip_prefix(&src).unwrap().to_str().unwrap().replace('/', "::");
+            let mut named = heads(&code, &"super::".repeat(depth));
+            if !room.is_empty() {
+                named.extend(heads(&code, &format!("crate::{room}::")));
+            }
+            imports.entry(module.to_owned()).or_default().extend(named);
+        }
+        let modules: Vec<String> = imports.keys().cloned().collect();
+        for (module, named) in &mut imports {
+            named.retain(|name| name != module && modules.contains(name));
+            edges += named.len();
+        }
+        // What imports nothing that is left stands on its own; what remains in the end is in a circle or leads to one.
+        let mut left = modules;
+        loop {
+            let before = left.len();
+            let standing = |module: &String| imports[module].iter().all(|name| !left.contains(name));
+            let rest: Vec<String> = left.iter().filter(|module| !standing(module)).cloned().collect();
+            left = rest;
+            if left.len() == before {
+                break;
+            }
+        }
+        if !left.is_empty() {
+            circles.push(format!("{}: {left:?}", folder.strip_prefix(&src).unwrap().display()));
+        }
+    }
+    assert!(edges > 500, "found only {edges} imports");
+    assert!(circles.is_empty(), "modules that import each other, and what stands on them:\n{}", circles.join("\n"));
+}

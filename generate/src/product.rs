@@ -34,7 +34,7 @@ pub fn outputs() -> Vec<Output> {
 fn output(path: String, name: &str, bands: usize, functions: &[(&str, Text)]) -> Output {
     let mut text = format!(
         "//! {bands} bands in straight lines. Written by `cargo run --release -p haarmonic-generate`.\n\n\
-         use super::super::kernel::{{Site, Straight}};\n\n\
+         use super::super::text::{{Site, Straight}};\n\n\
          pub(in super::super) struct {name};\n\n\
          #[rustfmt::skip]\n\
          impl Straight for {name} {{\n"

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::assemble::plural;
+use super::count::plural;
 use super::{
     Loaded, Report, atomic, encode_exr, encode_hdr, encode_png, encode_png_srgb8, exr, read_file, read_hdr, read_png,
 };

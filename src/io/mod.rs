@@ -51,6 +51,7 @@
 
 mod assemble;
 mod atomic;
+mod count;
 mod environment;
 mod exr;
 mod gltf;

@@ -5,7 +5,8 @@
 
 use nalgebra::Vector3;
 
-use super::assemble::{Count, Soup, plural};
+use super::assemble::Soup;
+use super::count::{Count, plural};
 use super::split::{Smoothing, Splitter};
 use super::{Loaded, MeshOptions, Report, excerpt, number};
 use crate::scene::Mesh;

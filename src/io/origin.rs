@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::Report;
-use super::assemble::plural;
+use super::count::plural;
 
 /// The share of an edge that rounding may move a corner by and be no loss: normals turn by less than 0.06°.
 const SHARE: f64 = 1.0 / 1024.0;

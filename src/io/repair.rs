@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::assemble::{Count, plural};
+use super::count::{Count, plural};
 use super::options::Winding;
 use super::origin::repeats;
 use super::polygon::{Cut, Cutter};

@@ -7,7 +7,7 @@
 use nalgebra::Vector3;
 
 use super::Report;
-use super::assemble::{Count, plural};
+use super::count::{Count, plural};
 use super::sides::buckets;
 
 /// No face.

@@ -1,6 +1,5 @@
 //! Which coefficients of the transformed image are wanted.
 
-use super::wavelets::is_sparse_row;
 use crate::haar::Decomposition;
 use crate::{Error, Result};
 
@@ -33,6 +32,17 @@ pub(super) struct Chosen {
     pub(super) whole_rows: usize,
     pub(super) alone: usize,
 }
+
+/// Whether the wanted targets of a row are computed one by one.
+#[inline(always)]
+pub(super) fn is_sparse_row(side: usize, wanted: usize) -> bool {
+    wanted * SINGLE < side || side < BLOCK
+}
+
+/// Of a row with fewer than a SINGLE-th of its targets wanted, each is computed alone.
+const SINGLE: usize = 10;
+/// Columns at a time otherwise.
+pub(super) const BLOCK: usize = 32;
 
 impl Targets {
     /// All coefficients of `side`² images, in flat order.

@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::source::Terms;
-use super::targets::{Chosen, Targets};
+use super::targets::{BLOCK, Chosen, Targets, is_sparse_row};
 use crate::Real;
 use crate::affine::steps::{Steps, row_room};
 use crate::affine::{AffineMap, Atom, NonzerosNonstandard};
@@ -183,17 +183,6 @@ fn some<T: Real, const C: usize>(
         }
     }
 }
-
-/// Whether the wanted targets of a row are computed one by one.
-#[inline(always)]
-pub(super) fn is_sparse_row(side: usize, wanted: usize) -> bool {
-    wanted * SINGLE < side || side < BLOCK
-}
-
-/// Of a row with fewer than a SINGLE-th of its targets wanted, each is computed alone.
-const SINGLE: usize = 10;
-/// Columns at a time otherwise.
-const BLOCK: usize = 32;
 
 /// Term by term over the products of the couplings of its two factors, nonstandard basis.
 #[inline(always)]

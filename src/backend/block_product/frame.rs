@@ -5,20 +5,22 @@ use nalgebra::Vector3;
 use super::bounds::{Checks, Place, WideView};
 use super::cases::Cases;
 use super::layout::BlockLayout;
-use super::live::Live;
-use super::lobes::{Lobe, Model, Plan, Sampling};
+use super::light::LightForms;
+use super::live::{Live, LiveBlocks};
+use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
 use super::products::{Cut, LobeSum, Moments};
-use super::relighter::Relighter;
 use super::rule::{BlockAngle, PIXELS, Rule, fixed};
 use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
+use super::settings::Settings;
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
+use super::tables::Directions;
 use super::tiles::GROUP;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::parallel;
-use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Reflectance, View, narrow};
+use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
 
 /// Work space of a piece of the vertices.
 #[derive(Debug, Clone)]
@@ -54,10 +56,25 @@ impl Scratch {
     }
 }
 
-/// What a frame reads.
+/// What frames read and do not change.
+#[derive(Debug, Clone)]
+pub(super) struct Inputs<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) settings: Settings,
+    pub(super) light: LightForms,
+    pub(super) directions: Directions,
+    /// Knows the materials.
+    pub(super) planner: Planner,
+    /// [vertex]: whether its radiance is asked for; empty if all are.
+    pub(super) needed: Vec<bool>,
+    pub(super) live: LiveBlocks,
+    pub(super) arch: pulp::Arch,
+}
+
+/// One frame.
 #[derive(Clone, Copy)]
 pub(super) struct Frame<'f, 'a> {
-    pub(super) relighter: &'f Relighter<'a>,
+    pub(super) inputs: &'f Inputs<'a>,
     pub(super) view: &'f View,
     pub(super) materials: &'f Materials,
 }
@@ -96,11 +113,11 @@ impl Frame<'_, '_> {
     }
 
     fn is_needed(self, vertex: usize) -> bool {
-        self.relighter.needed.get(vertex).copied().unwrap_or(true)
+        self.inputs.needed.get(vertex).copied().unwrap_or(true)
     }
 
     fn plan(&self, vertex: usize) -> &Plan {
-        &self.relighter.planner.plans()[self.materials.part(vertex)]
+        &self.inputs.planner.plans()[self.materials.part(vertex)]
     }
 
     /// The radiance of a group of vertices.
@@ -120,13 +137,13 @@ impl Frame<'_, '_> {
         }
         if wanted[..out.len()].contains(&true) {
             moments.fill(MomentSums::default());
-            let Relighter { light, arch, .. } = self.relighter;
+            let Inputs { light, arch, .. } = self.inputs;
             arch.dispatch(Moments { maps, light, group, wanted, sums: moments });
         }
         for (i, radiance) in out.iter_mut().enumerate() {
             *radiance = match scratch.seen[i] {
                 Some(seen) => {
-                    let sum = self.vertex(maps, first + i, &seen, i, scratch) * self.relighter.light.scale;
+                    let sum = self.vertex(maps, first + i, &seen, i, scratch) * self.inputs.light.scale;
                     // NaN stays.
                     sum.map(|x| x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
                 }
@@ -140,14 +157,14 @@ impl Frame<'_, '_> {
         if !self.is_needed(vertex) {
             return None;
         }
-        let (mesh, frame) = (self.relighter.mesh, self.relighter.mesh.frame(vertex));
+        let (mesh, frame) = (self.inputs.mesh, self.inputs.mesh.frame(vertex));
         let normal = Axes::upright(&frame);
         let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
         (normal.dot(&wo) > 0.0).then_some(Seen { normal, wo })
     }
 
     fn facing(self, vertex: usize, seen: &Seen) -> Facing {
-        let axes = Axes::new(&self.relighter.mesh.frame(vertex));
+        let axes = Axes::new(&self.inputs.mesh.frame(vertex));
         let local = axes.to_local(&seen.wo);
         let mirror = narrow(&axes.to_world(&Vector3::new(-local.x, -local.y, local.z)));
         Facing { axes, wo: seen.wo, normal: narrow(&seen.normal), mirror }
@@ -173,7 +190,7 @@ impl Frame<'_, '_> {
 
     /// The case of each live block.
     fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
-        let Relighter { directions, arch, .. } = self.relighter;
+        let Inputs { directions, arch, .. } = self.inputs;
         let Scratch { live, cases, near, places, .. } = scratch;
         match &lobe.sampling {
             Sampling::Mirror { .. } => {
@@ -181,12 +198,12 @@ impl Frame<'_, '_> {
             }
             _ => near.fill(!0),
         }
-        self.relighter.live.list(vertex, near, live);
+        self.inputs.live.list(vertex, near, live);
         match &lobe.sampling {
             Sampling::Pixels => cases.set(live, |_| PIXELS),
             Sampling::Fixed(exponent) => {
                 let fixed = fixed(*exponent);
-                let nearest = matches!(self.relighter.settings.rule, Rule::Fixed { angle: BlockAngle::Nearest });
+                let nearest = matches!(self.inputs.settings.rule, Rule::Fixed { angle: BlockAngle::Nearest });
                 let limits = &directions.limits[usize::from(nearest)];
                 cases.set(live, |live| {
                     let block = live.block as usize;
@@ -202,7 +219,7 @@ impl Frame<'_, '_> {
                 });
             }
             Sampling::Wide { bounds, .. } => {
-                let (checks, groups) = (&lobe.checks[..], self.relighter.planner.groups());
+                let (checks, groups) = (&lobe.checks[..], self.inputs.planner.groups());
                 match bounds.seen_from(&seen.axes, &seen.wo) {
                     Some(view) => {
                         let centres = &directions.centres;
@@ -244,9 +261,9 @@ impl Frame<'_, '_> {
 
     pub(super) fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
         let mut stats = FrameStats::default();
-        let blocks = self.relighter.light.layout().blocks();
+        let blocks = self.inputs.light.layout().blocks();
         let mut most = vec![0_u8; blocks];
-        for vertex in 0..self.relighter.mesh.positions().len() {
+        for vertex in 0..self.inputs.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
             let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
             most.fill(u8::from(plan.diffuse != Vector3::zeros()));
@@ -276,10 +293,10 @@ struct LobeRun<'r, 'f, 'a> {
 impl LobeRun<'_, '_, '_> {
     fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
         let Scratch { samples, cases, room, .. } = scratch;
-        let Relighter { light, directions, arch, .. } = self.frame.relighter;
+        let Inputs { light, directions, arch, .. } = self.frame.inputs;
         let first = self.vertex * light.layout().blocks();
         let (normal, cut) = (self.seen.normal, self.cut);
-        let goes_on = matches!(self.frame.relighter.settings.rule, Rule::Bounded { .. });
+        let goes_on = matches!(self.frame.inputs.settings.rule, Rule::Bounded { .. });
         arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut, goes_on })
     }
 }

@@ -3,6 +3,9 @@
 use crate::Result;
 use crate::dct::{BlockDct, LowProjection};
 
+/// Nodes of all levels.
+pub(super) const NODES: usize = 1 + 4 + 16;
+
 /// What is taken to lie between the samples of a block.
 ///
 /// A function is sampled at the centres of l × l parts of the block and stands for Σ_j f(node_j) φ_j. The sum over the block of

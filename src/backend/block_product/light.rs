@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::bounds::Norms;
-use super::interpolation::{Basis, Interpolation};
+use super::interpolation::{Basis, Interpolation, NODES};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
 use super::tiles::{Eight, GROUP, Tiles};
@@ -58,9 +58,6 @@ fn scale(largest: f32) -> f64 {
     let power = f64::from(largest).log2().floor() as i32;
     f64::from(power.clamp(*ORDINARY.start(), *ORDINARY.end()) - power).exp2()
 }
-
-/// Nodes of all levels.
-pub(super) const NODES: usize = 1 + 4 + 16;
 
 impl LightForms {
     /// Darkness.

@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use super::cases::{Case, Cases};
-use super::light::{LightForms, NODES};
+use super::interpolation::NODES;
+use super::light::LightForms;
 use super::samples::{Samples, Sums, reflect};
 use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};

@@ -3,13 +3,13 @@
 use nalgebra::Vector3;
 
 use super::bounds::{Gauge, Limits, spread};
-use super::frame::{Frame, Scratch};
-use super::interpolation::Basis;
+use super::frame::{Frame, Inputs, Scratch};
 use super::light::LightForms;
 use super::live::LiveBlocks;
 use super::lobes::Planner;
 use super::rule::Rule;
 use super::schedule::Schedule;
+use super::settings::Settings;
 use super::stats::FrameStats;
 use super::tables::Directions;
 use super::transport::{Maps, Transport, with_maps};
@@ -21,15 +21,6 @@ use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result, parallel};
 
-/// How a [`Relighter`] integrates.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Settings {
-    /// What chooses the number of samples of a block.
-    pub rule: Rule,
-    /// What lies between samples.
-    pub basis: Basis,
-}
-
 /// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
 ///
 ///   radiance(v) = Σ_blocks Σ_places L V ρ cos,
@@ -40,20 +31,13 @@ pub struct Settings {
 /// Frames do not allocate once the materials are known. The result does not depend on the number of threads.
 #[derive(Debug, Clone)]
 pub struct Relighter<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) settings: Settings,
-    pub(super) light: LightForms,
-    pub(super) directions: Directions,
-    pub(super) planner: Planner,
+    inputs: Inputs<'a>,
     /// [block]
     limits: Vec<Limits>,
-    pub(super) scratch: Vec<Scratch>,
-    pub(super) needed: Vec<bool>,
+    scratch: Vec<Scratch>,
     scheduled: Scheduled<'a>,
-    pub(super) live: LiveBlocks,
     /// Whether the plans know the light.
     is_weighed: bool,
-    pub(super) arch: pulp::Arch,
 }
 
 /// Maps, and the order in which a frame sums them up.
@@ -104,20 +88,23 @@ impl<'a> Relighter<'a> {
         let light = LightForms::new(layout, settings.basis)?;
         let gauge = Gauge::new(layout, light.interpolation());
         let directions = Directions::new(layout, light.tiles(), light.interpolation());
+        let live = with_maps!(transport.maps(), maps => LiveBlocks::new(maps, transport.paths(), layout.blocks()));
         Ok(Self {
-            mesh,
-            settings,
-            directions,
-            planner: Planner::new(gauge, settings.rule),
+            inputs: Inputs {
+                mesh,
+                settings,
+                directions,
+                planner: Planner::new(gauge, settings.rule),
+                needed: Vec::new(),
+                live,
+                arch: pulp::Arch::new(),
+                light,
+            },
             limits: vec![Limits::default(); layout.blocks()],
             // Made one by one: a clone would not keep the reserved room.
             scratch: (0..parallel::pieces()).map(|_| Scratch::new(layout)).collect(),
-            needed: Vec::new(),
             scheduled: Scheduled::new(transport),
-            live: with_maps!(transport.maps(), maps => LiveBlocks::new(maps, transport.paths(), layout.blocks())),
             is_weighed: false,
-            arch: pulp::Arch::new(),
-            light,
         })
     }
 
@@ -126,11 +113,11 @@ impl<'a> Relighter<'a> {
     /// # Errors
     /// As [`LightForms::set`].
     pub fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
-        self.light.set(light)?;
-        if let Rule::Bounded { tolerance } = self.settings.rule {
+        self.inputs.light.set(light)?;
+        if let Rule::Bounded { tolerance } = self.inputs.settings.rule {
             let blocks = self.limits.len();
-            let allowed = tolerance * self.light.mean / spread(blocks);
-            for (limits, norms) in self.limits.iter_mut().zip(&self.light.norms) {
+            let allowed = tolerance * self.inputs.light.mean / spread(blocks);
+            for (limits, norms) in self.limits.iter_mut().zip(&self.inputs.light.norms) {
                 *limits = Limits::new(allowed, norms, blocks);
             }
         }
@@ -141,12 +128,12 @@ impl<'a> Relighter<'a> {
     /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the order of
     /// frames.
     pub fn bytes(&self) -> usize {
-        self.live.bytes() + with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
+        self.inputs.live.bytes() + with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
     }
 
     /// The light's forms.
     pub fn light(&self) -> &LightForms {
-        &self.light
+        &self.inputs.light
     }
 
     /// The radiance that each vertex sends towards the viewer. Vertices without light (none was set) are black;
@@ -163,7 +150,7 @@ impl<'a> Relighter<'a> {
     /// Unless `out` has one value a vertex.
     #[track_caller]
     pub fn relight(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
-        self.needed.clear();
+        self.inputs.needed.clear();
         self.frame(view, materials, out)
     }
 
@@ -186,24 +173,22 @@ impl<'a> Relighter<'a> {
         if !(aspect > 0.0 && aspect.is_finite()) {
             return Err(Error::OutOfRange { what: "aspect ratio", got: aspect, allowed: "positive and finite" });
         }
-        super::culling::mark(self.mesh, camera, aspect, &mut self.needed);
+        super::culling::mark(self.inputs.mesh, camera, aspect, &mut self.inputs.needed);
         self.frame(&View::eye(camera.eye().cast())?, materials, out)
     }
 
     fn frame(&mut self, view: &View, materials: &Materials, out: &mut [Vector3<f32>]) -> Result<()> {
-        check_length("radiance of the vertices", self.mesh.positions().len(), out.len());
+        check_length("radiance of the vertices", self.inputs.mesh.positions().len(), out.len());
         materials.check(out.len())?;
-        if self.light.is_dark() {
+        if self.inputs.light.is_dark() {
             out.fill(Vector3::zeros());
             return Ok(());
         }
         self.plan(materials)?;
-        let mut scratch = std::mem::take(&mut self.scratch);
-        let frame = Frame { relighter: self, view, materials };
-        with_scheduled!(&self.scheduled, maps, schedule => frame.run((*maps, schedule), &mut scratch, out));
-        self.scratch = scratch;
+        let frame = Frame { inputs: &self.inputs, view, materials };
+        with_scheduled!(&self.scheduled, maps, schedule => frame.run((*maps, schedule), &mut self.scratch, out));
         match out.iter().position(|radiance| !radiance.iter().all(|c| c.is_finite())) {
-            Some(vertex) if self.planner.plans()[materials.part(vertex)].has_opaque() => {
+            Some(vertex) if self.inputs.planner.plans()[materials.part(vertex)].has_opaque() => {
                 Err(materials.not_finite(vertex))
             }
             _ => Ok(()),
@@ -211,8 +196,8 @@ impl<'a> Relighter<'a> {
     }
 
     fn plan(&mut self, materials: &Materials) -> Result<()> {
-        if self.planner.set(materials.brdfs())? || !self.is_weighed {
-            self.planner.weigh(&self.limits, self.directions.radii);
+        if self.inputs.planner.set(materials.brdfs())? || !self.is_weighed {
+            self.inputs.planner.weigh(&self.limits, self.inputs.directions.radii);
             self.is_weighed = true;
         }
         Ok(())
@@ -223,22 +208,22 @@ impl<'a> Relighter<'a> {
     /// # Errors
     /// As [`relight`](Self::relight).
     pub fn frame_stats(&mut self, view: &View, materials: &Materials) -> Result<FrameStats> {
-        materials.check(self.mesh.positions().len())?;
-        self.needed.clear();
+        materials.check(self.inputs.mesh.positions().len())?;
+        self.inputs.needed.clear();
         self.plan(materials)?;
         let mut scratch = self.scratch.first().cloned().expect("there is a piece");
-        let frame = Frame { relighter: self, view, materials };
+        let frame = Frame { inputs: &self.inputs, view, materials };
         Ok(with_scheduled!(&self.scheduled, maps, _schedule => frame.count(*maps, &mut scratch)))
     }
 }
 
 impl DistantRelighter for Relighter<'_> {
     fn grid(&self) -> CubeGrid {
-        self.light.grid()
+        self.inputs.light.grid()
     }
 
     fn vertices(&self) -> usize {
-        self.mesh.positions().len()
+        self.inputs.mesh.positions().len()
     }
 
     fn freedom(&self) -> Freedom {

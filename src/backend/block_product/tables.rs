@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::interpolation::Interpolation;
+use super::interpolation::NODES;
 use super::layout::BlockLayout;
-use super::light::NODES;
 use super::tiles::{Eight, GROUP, Tiles};
 
 /// The largest angles between a centre and what lies around it, in radians.

@@ -3,14 +3,14 @@
 use nalgebra::Vector3;
 
 use super::settings::{Settings, Slices};
-use super::slices::{SliceSampler, SliceTable};
+use super::slices::{SliceSampler, SliceTable, slice_of};
 use super::transport::Transport;
 use crate::backend::distant::range::{in_range, undo};
 use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
 use crate::error::check_length;
 use crate::haar::{
-    BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, SparseVector, TripleProduct, Visibility,
-    rows_to_morton, upper_means,
+    BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, TripleProduct, Visibility, rows_to_morton,
+    upper_means,
 };
 use crate::scene::{BinaryVisibility, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
@@ -227,14 +227,6 @@ fn masked_radiance(
     }
     let colour = colour.unwrap_or_else(|| Vector3::repeat(1.0));
     (sum.component_mul(&colour) / face as f64).cast()
-}
-
-/// The `len` coefficients from `start` on, as a vector of their own.
-pub(super) fn slice_of(whole: &SparseVector<f32>, start: usize, len: usize) -> SparseVector<f32> {
-    let from = whole.indices().partition_point(|&i| (i as usize) < start);
-    let to = whole.indices().partition_point(|&i| (i as usize) < start + len);
-    let indices = whole.indices()[from..to].iter().map(|&i| i - start as u32).collect();
-    SparseVector::new(len, indices, whole.values()[from..to].to_vec()).expect("a run of a sparse vector is one")
 }
 
 fn morton_words(visibility: &BinaryVisibility) -> Vec<u64> {

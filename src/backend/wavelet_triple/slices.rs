@@ -4,7 +4,6 @@ use std::collections::HashMap;
 
 use nalgebra::Vector3;
 
-use super::relighter::slice_of;
 use crate::haar::{Decomposition, Factor, Keep, Selection, SelectionScratch, SparseVector, Transform2d, Weighting};
 use crate::scene::{Brdf, DirectionTable, Frame, Materials, Mesh, View};
 use crate::sphere::CubeGrid;
@@ -215,4 +214,12 @@ impl SliceTable {
         }
         Ok(())
     }
+}
+
+/// The `len` coefficients from `start` on, as a vector of their own.
+pub(super) fn slice_of(whole: &SparseVector<f32>, start: usize, len: usize) -> SparseVector<f32> {
+    let from = whole.indices().partition_point(|&i| (i as usize) < start);
+    let to = whole.indices().partition_point(|&i| (i as usize) < start + len);
+    let indices = whole.indices()[from..to].iter().map(|&i| i - start as u32).collect();
+    SparseVector::new(len, indices, whole.values()[from..to].to_vec()).expect("a run of a sparse vector is one")
 }

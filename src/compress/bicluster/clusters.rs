@@ -1,12 +1,11 @@
 //! The biclusters of a matrix.
 
 use super::matrix::SparseMatrix;
-use super::multiply::BiclusterMultiplier;
 use super::partition::by_shared_columns;
 use super::search::{Found, Tracing, search};
 use super::settings::BiclusterSettings;
 use super::trace::BiclusterTrace;
-use crate::{Error, Progress, Real, Result};
+use crate::{Error, Progress, Result};
 
 /// One bicluster: every chosen row has the same level in a chosen column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -245,11 +244,6 @@ impl Biclustering {
             bytes: 4 * row_entries + 8 * column_entries + 4 * (biclusters + 1) + 4 * (self.rows + 1),
             matrix_bytes: 8 * self.nnz + 4 * (self.rows + 1),
         }
-    }
-
-    /// A plan for products with vectors.
-    pub fn multiplier<T: Real>(&self) -> BiclusterMultiplier<T> {
-        BiclusterMultiplier::new(self)
     }
 }
 

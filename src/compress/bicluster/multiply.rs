@@ -30,6 +30,13 @@ pub struct BiclusterMultiplier<T> {
     members: Vec<u32>,
 }
 
+impl Biclustering {
+    /// A plan for products with vectors.
+    pub fn multiplier<T: Real>(&self) -> BiclusterMultiplier<T> {
+        BiclusterMultiplier::new(self)
+    }
+}
+
 impl<T: Real> BiclusterMultiplier<T> {
     /// Biclusters and rows that a task takes at a time.
     const CHUNK: usize = 512;

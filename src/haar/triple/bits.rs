@@ -1,7 +1,7 @@
 //! Means of a binary image at any node, straight from its bits.
 
 use super::super::wavelet_tree::morton;
-use super::mean_tree::first_node;
+use super::first_node;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 

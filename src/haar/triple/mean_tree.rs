@@ -2,6 +2,7 @@
 
 use super::super::SparseVector;
 use super::super::wavelet_tree::{morton, unmorton};
+use super::first_node;
 use super::nodes::SparseNodes;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
@@ -201,12 +202,6 @@ fn children<T: Real>(a: T, h: T, v: T, d: T) -> [T; 4] {
     // a ± h are means of halves and v ± d halves of differences between texels: what the texels can hold, these can.
     let (left, right) = (a + h, a - h);
     [left + (v + d), right + (v - d), left - (v + d), right - (v - d)]
-}
-
-/// The first node of a level; for the level of the texels, the number of nodes.
-#[inline]
-pub(crate) const fn first_node(level: u32) -> usize {
-    ((1 << (2 * level)) - 1) / 3
 }
 
 /// The record of a node's mean and its place there: number n + 3 in the flat order.

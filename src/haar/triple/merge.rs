@@ -19,7 +19,8 @@ use std::ops::Range;
 use pulp::{Arch, NullaryFnOnce};
 
 use super::bits::{BitPyramidRef, nibble_means, short_means, word_means};
-use super::mean_tree::{MeanTree, first_node};
+use super::first_node;
+use super::mean_tree::MeanTree;
 use super::nodes::SparseNodes;
 use crate::Real;
 

@@ -27,6 +27,12 @@ pub use nodes::SparseNodes;
 
 use crate::{Error, Result};
 
+/// The first node of a level; for the level of the texels, the number of nodes.
+#[inline]
+pub(crate) const fn first_node(level: u32) -> usize {
+    ((1 << (2 * level)) - 1) / 3
+}
+
 /// log₂ of a side.
 pub(crate) fn levels_of(side: usize) -> Result<u32> {
     if !side.is_power_of_two() {

@@ -2,7 +2,7 @@
 
 use super::super::SparseVector;
 use super::super::wavelet_tree::{is_negative, morton, unmorton};
-use super::mean_tree::first_node;
+use super::first_node;
 use crate::{Error, Real, Result};
 
 /// The details of C sparse 2D signals that share one set of nodes, sorted by node.

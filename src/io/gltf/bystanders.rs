@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::document::{Object, field, whole};
 use crate::io::Report;
-use crate::io::assemble::plural;
+use crate::io::count::plural;
 
 /// What a field should hold.
 #[derive(Debug, Clone, Copy)]

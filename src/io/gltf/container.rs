@@ -5,7 +5,7 @@ use serde_json::{Deserializer, Value};
 use super::document::Object;
 use crate::Result;
 use crate::io::Report;
-use crate::io::assemble::plural;
+use crate::io::count::plural;
 
 /// Whether a file begins like GLB.
 pub(in crate::io) fn is_glb(bytes: &[u8]) -> bool {

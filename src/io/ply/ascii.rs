@@ -6,7 +6,7 @@
 
 use super::Body;
 use super::header::{Element, Scalar};
-use crate::io::assemble::Count;
+use crate::io::count::Count;
 use crate::io::{excerpt, number};
 
 /// What ends an element.

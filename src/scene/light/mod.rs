@@ -5,7 +5,8 @@ mod sun;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-pub use sky::{Sky, SoftBox, Sun};
+pub use sky::{Sky, SoftBox};
+pub use sun::Sun;
 
 use crate::sphere::{CubeGrid, CubeMap, LatLongMap, Resampling};
 use crate::{Error, Result};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
 
-use super::sun::{angle, check_radius};
+use super::sun::{Sun, angle, check_radius, check_range};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Result};
 
@@ -35,18 +35,6 @@ pub struct Sky {
     pub sun: Option<Sun>,
     /// Lamps before the sky; they add to it.
     pub boxes: Vec<SoftBox>,
-}
-
-/// A disc of constant radiance.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sun {
-    /// Where its centre stands.
-    pub direction: UnitVector3<f64>,
-    /// Angular radius in radians, in (0, π/2], down to the smallest number; the real sun's is 0.00465. A point, of which a
-    /// radiance cannot say how bright it is, comes from [`with_irradiance`](Self::with_irradiance).
-    pub angular_radius: f64,
-    /// Radiance of the disc, added to the sky's. Irradiance on a surface that faces it is radiance · π sin² radius.
-    pub radiance: Vector3<f64>,
 }
 
 /// A rectangular lamp with soft edges, as photographers use them.
@@ -256,16 +244,6 @@ impl Sky {
             let allowed = "at most 3.4e38, the largest f32, where sky, sun and soft boxes add up";
             Err(Error::OutOfRange { what: "brightest radiance of a sky", got: brightest, allowed })
         }
-    }
-}
-
-pub(super) fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str) -> Result<()> {
-    if !got.is_finite() {
-        Err(Error::NotFinite { what, index: 0 })
-    } else if inside {
-        Ok(())
-    } else {
-        Err(Error::OutOfRange { what, got, allowed })
     }
 }
 

@@ -4,9 +4,20 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use nalgebra::{Rotation3, UnitVector3, Vector3};
 
-use super::sky::{Sun, check_range};
 use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Result};
+
+/// A disc of constant radiance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sun {
+    /// Where its centre stands.
+    pub direction: UnitVector3<f64>,
+    /// Angular radius in radians, in (0, π/2], down to the smallest number; the real sun's is 0.00465. A point, of which a
+    /// radiance cannot say how bright it is, comes from [`with_irradiance`](Self::with_irradiance).
+    pub angular_radius: f64,
+    /// Radiance of the disc, added to the sky's. Irradiance on a surface that faces it is radiance · π sin² radius.
+    pub radiance: Vector3<f64>,
+}
 
 /// Below this angular radius a disc is cut as a flat one, which is off by radius² relative; from it on by quartering.
 const FLAT: f64 = 1e-6;
@@ -218,6 +229,16 @@ fn any_perpendicular(v: &Vector3<f64>) -> Vector3<f64> {
 /// The angle between two vectors, accurate also where it is small.
 pub(super) fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
+}
+
+pub(super) fn check_range(what: &'static str, got: f64, inside: bool, allowed: &'static str) -> Result<()> {
+    if !got.is_finite() {
+        Err(Error::NotFinite { what, index: 0 })
+    } else if inside {
+        Ok(())
+    } else {
+        Err(Error::OutOfRange { what, got, allowed })
+    }
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::kernel::Site;
 use super::nodes::{Rule, factors, normalized_legendre};
+use super::text::Site;
 use crate::sh::gamma::met;
 use crate::sh::lane::Element;
 use crate::{Error, Real, Result};

@@ -21,6 +21,7 @@ mod nodes;
 mod single;
 pub(super) mod straight;
 mod table;
+mod text;
 
 use std::sync::OnceLock;
 

@@ -10,19 +10,10 @@ use std::ops::{Add, Mul, Sub};
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::kernel::{Constants, Site, Straight, at_poles, by_tensor, pair};
+use super::text::{Constants, FEW, MANY, Site, Straight, at_poles, by_tensor, lanes, pair};
 use crate::Real;
 use crate::numeric::{align_stack, arch_256};
 use crate::sh::lane::Lane;
-
-/// Pairs of nodes side by side, up to six bands and above.
-const FEW: usize = 4;
-const MANY: usize = 8;
-
-/// Pairs of nodes side by side for vectors of `size`.
-pub(super) const fn lanes(size: usize) -> usize {
-    if size <= 36 { FEW } else { MANY }
-}
 
 /// A number, or some side by side. An array and not a register of `pulp`'s, which has none of this width without a
 /// dispatch.

@@ -1,8 +1,8 @@
 //! Products of up to three bands for arrays, to be inlined.
 
 use super::generated::{tensor_2::Tensor2, tensor_3::Tensor3};
-use super::kernel::Straight;
 use super::single::Numbers;
+use super::text::Straight;
 use crate::Real;
 
 /// Sizes whose text is the one by the tensor, and one band.

@@ -8,7 +8,7 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::rotation::{MAX_BANDS, block_start};
+use super::sizes::{MAX_BANDS, block_start};
 use crate::Real;
 use crate::numeric::align_stack;
 use crate::sh::lane::Element;

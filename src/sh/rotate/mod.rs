@@ -7,6 +7,7 @@ mod rotation;
 mod rotator;
 mod sample;
 mod single;
+mod sizes;
 mod swap;
 mod turns;
 

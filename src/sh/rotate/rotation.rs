@@ -6,22 +6,13 @@ use pulp::Arch;
 use super::blocks;
 use super::chain::rotate_flat;
 use super::single;
+use super::sizes::{block_start, check_bands};
 use super::swap::Swap;
 use super::turns::{
     Flat, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,
 };
 use crate::error::check_length;
 use crate::{Error, Real, Result};
-
-/// The largest `bands` of a rotation.
-pub(super) const MAX_BANDS: usize = 128;
-
-pub(super) fn check_bands(bands: usize) -> Result<()> {
-    if bands == 0 || bands > MAX_BANDS {
-        return Err(Error::OutOfRange { what: "bands", got: bands as f64, allowed: "1 to 128" });
-    }
-    Ok(())
-}
 
 /// The matrix of one rotation, a dense block for each degree.
 ///
@@ -54,12 +45,6 @@ pub struct Rotation<T> {
     tiles: Vec<T>,
     run: blocks::Run<T>,
     arch: Arch,
-}
-
-/// Entries before block l: Σ (2k+1)² for k < l.
-#[inline(always)]
-pub(super) const fn block_start(l: usize) -> usize {
-    l * (4 * l * l - (l > 0) as usize) / 3
 }
 
 impl<T: Real> Rotation<T> {

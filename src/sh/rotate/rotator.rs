@@ -6,9 +6,9 @@ use pulp::{Arch, Simd, WithSimd};
 use super::chain::{
     Columns, Powers, degree_1, degree_2, degree_3, degree_4, degree_5, powers, rotate_degree, rotate_flat,
 };
-use super::rotation::{MAX_BANDS, check_bands};
 use super::sample::{self, Pose, Samples};
 use super::single;
+use super::sizes::{MAX_BANDS, check_bands};
 use super::swap::Swap;
 use super::turns::{
     Flat, Poses, Turns, components, entries, matrix_flat, matrix_turns, quaternion_flat, quaternion_turns, tiny,

@@ -10,7 +10,7 @@
 use std::hint::black_box;
 use std::ops::Range;
 
-use super::rotation::MAX_BANDS;
+use super::sizes::MAX_BANDS;
 use super::swap::{QUAD, Swap, quads};
 use super::turns::Turns;
 use crate::Real;

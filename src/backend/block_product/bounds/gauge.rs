@@ -3,11 +3,11 @@
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use super::errors::{Errors, spread};
-use super::lanes::{Lanes, Sums};
+use super::lanes::{Lanes, Probe, Sums};
 use crate::backend::block_product::interpolation::{Interpolation, Level};
 use crate::backend::block_product::layout::BlockLayout;
-use crate::backend::block_product::light::NODES;
-use crate::backend::block_product::tiles::{Eight, GROUP};
+
+use crate::backend::block_product::tiles::GROUP;
 
 /// A block's directions where an error is measured, about its centre on +z.
 #[derive(Debug, Clone)]
@@ -16,18 +16,6 @@ pub(super) struct Shape {
     pixels: Vec<(Vector3<f64>, usize)>,
     /// Directions of the nodes of 1, 4 and 16 samples.
     nodes: [Vec<Vector3<f64>>; 3],
-}
-
-/// Every fourth pixel or so of a block and its nodes, eight by eight, about its centre on +z.
-#[derive(Debug, Clone)]
-pub(super) struct Probe {
-    pub(super) pixels: Vec<Eight<3>>,
-    /// The nodes of 1, 4 and 16 samples; the last lanes repeat the last.
-    pub(super) nodes: [Eight<3>; NODES.div_ceil(GROUP)],
-    /// [eight pixels][node] of 4 and 16 samples.
-    pub(super) four: Vec<[Lanes; 4]>,
-    pub(super) sixteen: Vec<[Lanes; 16]>,
-    pub(super) radius: f64,
 }
 
 impl Probe {

@@ -1,7 +1,6 @@
 //! Errors of few samples, eight pixels at a time.
 
-use super::gauge::Probe;
-use crate::backend::block_product::light::NODES;
+use crate::backend::block_product::interpolation::NODES;
 use crate::backend::block_product::tiles::{Eight, GROUP};
 use crate::scene::Kernel;
 
@@ -10,6 +9,18 @@ pub(super) type Lanes = [f32; GROUP];
 
 /// Eights of pixels of the largest probe.
 pub(super) const MOST: usize = 32;
+
+/// Every fourth pixel or so of a block and its nodes, eight by eight, about its centre on +z.
+#[derive(Debug, Clone)]
+pub(super) struct Probe {
+    pub(super) pixels: Vec<Eight<3>>,
+    /// The nodes of 1, 4 and 16 samples; the last lanes repeat the last.
+    pub(super) nodes: [Eight<3>; NODES.div_ceil(GROUP)],
+    /// [eight pixels][node] of 4 and 16 samples.
+    pub(super) four: Vec<[Lanes; 4]>,
+    pub(super) sixteen: Vec<[Lanes; 16]>,
+    pub(super) radius: f64,
+}
 
 /// Σ e², Σ e and Σ |e| of 0, 1, 4 and 16 samples over the probed pixels of a block that are above the horizon, each the
 /// largest of all channels. The normal is +z.

@@ -12,8 +12,9 @@ use nalgebra::Vector3;
 
 use super::cell_of;
 use super::errors::{Checks, Codes, STEPS, code};
-use super::gauge::{Gauge, Probe};
+use super::gauge::Gauge;
 use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
+use super::lanes::Probe;
 use super::lanes::{self, larger};
 use crate::parallel;
 use crate::scene::{Axes, Kernel, narrow};

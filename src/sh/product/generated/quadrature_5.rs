@@ -1,6 +1,6 @@
 //! 5 bands in straight lines. Written by `cargo run --release -p haarmonic-generate`.
 
-use super::super::kernel::{Site, Straight};
+use super::super::text::{Site, Straight};
 
 pub(in super::super) struct Quadrature5;
 

@@ -1,6 +1,6 @@
 //! 2 bands in straight lines. Written by `cargo run --release -p haarmonic-generate`.
 
-use super::super::kernel::{Site, Straight};
+use super::super::text::{Site, Straight};
 
 pub(in super::super) struct Tensor2;
 
