@@ -2,12 +2,13 @@
 
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Parser, ValueEnum};
-use haarmonic::backend::block_product::Rule;
 use haarmonic::haar::{Keep, Weighting};
 use haarmonic::io::{MeshOptions, Up, Winding};
 use haarmonic::nalgebra::Vector3;
 
+use crate::methods::{Method, Methods, REFERENCE};
 use crate::support::check_format;
 use crate::support::environment::Layout;
 
@@ -55,8 +56,8 @@ pub struct Args {
     pub rotate_env: f64,
 
     /// Method
-    #[arg(long, value_enum, default_value = "all")]
-    pub method: Method,
+    #[arg(long, value_name = "METHOD", value_parser = names(), default_value = "all")]
+    pub method: String,
 
     /// Reflectance: lambert:0.8, phong:50, blinn-phong:100, ward:0.2:0.5, ggx:0.3, ashikhmin:100:1000, merl:FILE, or a
     /// sum such as phong:50+lambert:0.4. Without it: Lambert, and glossy on the built-in scene's object
@@ -79,30 +80,8 @@ pub struct Args {
     #[arg(long, value_enum, default_value = "integral")]
     pub weighting: Choice,
 
-    /// Slices of the triple product's BRDF: sampled for each vertex, or from a table of N² × 6 normals
-    #[arg(long, value_name = "fly|N", default_value = "fly")]
-    pub slices: Slices,
-
-    /// block-product: edge of a block in texels, 8, 16 or 32 [default: 16, or the resolution if that is less]
-    #[arg(long, value_name = "N")]
-    pub block: Option<usize>,
-
-    /// block-product: what chooses how many samples a block of reflectance gets
-    #[arg(long, value_enum, default_value = "bounded")]
-    pub rule: Sampling,
-
-    /// block-product, rule bounded: error of a vertex in units of the light's mean radiance; less is better and slower
-    #[arg(long, value_name = "T", default_value_t = tolerance(), allow_negative_numbers = true)]
-    pub tolerance: f64,
-
-    /// block-product: visibility of 2^B levels, B from 2 to 8, instead of two. The ground truth it is compared with keeps
-    /// two levels, as for the other methods; with a larger --truth-resolution the gain shows
-    #[arg(long, value_name = "B")]
-    pub visibility_bits: Option<u32>,
-
-    /// block-product: rays along a texel's edge for --visibility-bits, from 1 to 15 (S² rays a texel)
-    #[arg(long, value_name = "S", default_value_t = 4, requires = "visibility_bits")]
-    pub visibility_samples: usize,
+    #[command(flatten)]
+    pub methods: Methods,
 
     /// Frames to time; the environment turns by 360°/N each frame [default: 5; with --paper 3]
     #[arg(long, value_name = "N")]
@@ -174,8 +153,8 @@ impl Args {
         if !self.resolution.is_power_of_two() || self.resolution > 256 {
             return Err(format!("--resolution must be a power of two of at most 256, got {}", self.resolution));
         }
-        if self.wants(Method::BlockProduct) {
-            self.check_blocks()?;
+        for method in self.methods.all().into_iter().filter(|method| self.wants(*method)) {
+            method.check(self)?;
         }
         if self.threads == Some(0) {
             return Err("--threads must be at least 1".to_owned());
@@ -186,32 +165,14 @@ impl Args {
         Ok(())
     }
 
-    fn check_blocks(&self) -> Result<(), String> {
-        if self.resolution < 8 {
-            return Err(format!("--resolution must be at least 8 for block-product, got {}", self.resolution));
-        }
-        let block = self.block();
-        if ![8, 16, 32].contains(&block) || block > self.resolution {
-            return Err(format!("--block must be 8, 16 or 32 and at most --resolution, got {block}"));
-        }
-        if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {
-            return Err(format!("--tolerance must be a finite number of at least 0, got {}", self.tolerance));
-        }
-        if let Some(bits) = self.visibility_bits.filter(|bits| !(2..=8).contains(bits)) {
-            return Err(format!("--visibility-bits must be in 2...8, got {bits}"));
-        }
-        if !(1..=15).contains(&self.visibility_samples) {
-            return Err(format!("--visibility-samples must be in 1...15, got {}", self.visibility_samples));
-        }
-        Ok(())
+    /// Whether a method is to be run.
+    pub fn wants(&self, method: &dyn Method) -> bool {
+        if self.paper { method.is_of_paper() } else { self.method == "all" || self.method == method.name() }
     }
 
-    /// Whether a method is to be run.
-    pub fn wants(&self, method: Method) -> bool {
-        if self.paper {
-            return matches!(method, Method::WaveletTriple | Method::BlockProduct);
-        }
-        self.method == Method::All || self.method == method
+    /// Whether the ground truth is a row of its own.
+    pub fn wants_reference(&self) -> bool {
+        !self.paper && (self.method == "all" || self.method == REFERENCE)
     }
 
     /// Vertices of the built-in scene.
@@ -237,19 +198,11 @@ impl Args {
         };
         MeshOptions::default().with_up(up).with_winding(winding)
     }
-
-    /// Edge of a block in texels.
-    pub fn block(&self) -> usize {
-        self.block.unwrap_or(self.resolution.min(16))
-    }
 }
 
-/// The back end's own.
-fn tolerance() -> f64 {
-    match Rule::default() {
-        Rule::Bounded { tolerance } => tolerance,
-        _ => 0.0,
-    }
+/// What `--method` takes.
+fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new(Methods::NAMES.into_iter().chain([REFERENCE, "all"]))
 }
 
 /// Axes that may point up.
@@ -278,16 +231,6 @@ pub enum BuiltIn {
     BasRelief,
 }
 
-/// Methods to run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    WaveletDouble,
-    WaveletTriple,
-    BlockProduct,
-    Reference,
-    All,
-}
-
 /// Selection of terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Choice {
@@ -302,49 +245,6 @@ impl From<Choice> for Weighting<'static, f32> {
             Choice::Magnitude => Self::Magnitude,
             Choice::Area => Self::Area,
             Choice::Integral => Self::Integral,
-        }
-    }
-}
-
-/// What chooses the samples of a block.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Sampling {
-    /// The fewest within --tolerance
-    Bounded,
-    /// By the angle to the mirror direction, as the paper prints it
-    Fixed,
-    /// The same with the angle lessened by the block's radius
-    FixedSound,
-    /// Every pixel: the baseline
-    Pixels,
-}
-
-impl Sampling {
-    /// The name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Bounded => "bounded",
-            Self::Fixed => "fixed",
-            Self::FixedSound => "fixed-sound",
-            Self::Pixels => "pixels",
-        }
-    }
-}
-
-/// Where BRDF slices come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slices {
-    Fly,
-    Table(usize),
-}
-
-impl std::str::FromStr for Slices {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "fly" => Ok(Self::Fly),
-            _ => text.parse().map(Self::Table).map_err(|_| "expected `fly` or a number of texels such as 32".into()),
         }
     }
 }

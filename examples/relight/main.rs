@@ -41,9 +41,7 @@ fn run(args: &Args) -> Result<(), Failure> {
     );
     let run = Run::new(args, &scene)?;
     println!("\n{}", report::table(&run));
-    if let Some(table) = report::block_table(&run) {
-        println!("{table}");
-    }
+    report::details(&run).iter().for_each(|table| println!("{table}"));
     let sheet = pictures::contact_sheet(args, &scene, &run)?;
     pictures::save(args, &scene, &run, &sheet)?;
     report::save(args, &scene, &run)?;

@@ -5,8 +5,7 @@ use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::scene::{Bvh, Picture, ToneMap};
 
 use crate::args::Args;
-use crate::methods::{Outcome, Run};
-use crate::report;
+use crate::methods::{Outcome, REFERENCE, Run};
 use crate::scene::Scene;
 use crate::support::Failure;
 use crate::support::sheet::{Panel, Sheet, heat};
@@ -37,8 +36,8 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
         ],
         legend(args.size),
     )];
-    for outcome in run.results.iter().filter(|o| o.method != "reference" || o.comparison.rel_l2 > 0.0) {
-        pictures.push(panel(caption(args, outcome), shown(&outcome.radiance)));
+    for outcome in run.results.iter().filter(|o| o.method != REFERENCE || o.comparison.rel_l2 > 0.0) {
+        pictures.push(panel(caption(outcome), shown(&outcome.radiance)));
         let errors = relative_errors(&truth, &outcome.radiance);
         let map = plan.shade(&errors, |_| Vector3::zeros());
         let figures = format!("rel L2 {:.2e}, max {:.2e}", outcome.comparison.rel_l2, outcome.comparison.max_abs);
@@ -54,7 +53,7 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
 /// Writes the sheet and what else was asked for.
 pub fn save(args: &Args, scene: &Scene, run: &Run, sheet: &Sheet) -> Result<(), Failure> {
     io::save_png_srgb8(&args.out, sheet.width, sheet.height, &sheet.pixels)?;
-    let Some(first) = run.results.iter().find(|o| o.method != "reference").or(run.results.first()) else {
+    let Some(first) = run.results.iter().find(|o| o.method != REFERENCE).or(run.results.first()) else {
         return Ok(());
     };
     if let Some(path) = &args.out_ply {
@@ -72,17 +71,12 @@ fn picture(args: &Args, scene: &Scene) -> Result<Picture, Failure> {
     Ok(Picture::new(&scene.mesh, &Bvh::new(&scene.mesh), &scene.camera, [args.size, args.size], 3)?)
 }
 
-fn caption(args: &Args, outcome: &Outcome) -> Vec<String> {
+fn caption(outcome: &Outcome) -> Vec<String> {
     let quality = match outcome.comparison.psnr_db {
         db if db.is_finite() => format!("PSNR {db:.1} dB"),
         _ => "exact".to_owned(),
     };
-    let terms = match (outcome.light_terms, &outcome.blocks) {
-        (Some(n), _) => format!("{n} light terms ({}), by {:?}", args.terms, args.weighting).to_lowercase(),
-        (_, Some(blocks)) => report::settings(blocks),
-        _ => "every texel".to_owned(),
-    };
-    vec![format!("{}: {quality}, {:.1} ms a frame", outcome.method, outcome.relight_ms), terms]
+    vec![format!("{}: {quality}, {:.1} ms a frame", outcome.method, outcome.relight_ms), outcome.caption.clone()]
 }
 
 /// The 98th percentile of the radiance: what shall be white.

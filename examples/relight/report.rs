@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use crate::args::Args;
-use crate::methods::{Blocks, Outcome, Run};
+use crate::methods::{Outcome, Run};
 use crate::scene::Scene;
 use crate::support::table;
 use crate::support::{Failure, write_report};
@@ -26,81 +26,13 @@ pub fn table(run: &Run) -> String {
     table::format(&header, &run.results.iter().map(row).collect::<Vec<_>>())
 }
 
-/// What only block-product has to tell, as text; nothing if it was not run.
-pub fn block_table(run: &Run) -> Option<String> {
-    let (outcome, blocks) = run.results.iter().find_map(|o| Some((o, o.blocks.as_ref()?)))?;
-    let list = |values: [f64; 4]| values.map(|v| format!("{v:.1}")).join(" / ");
-    let (stats, all) = (&blocks.transport, blocks.side * blocks.side);
-    let a_vertex = |bytes: usize| bytes as f64 / stats.vertices as f64;
-    let mut rows = vec![
-        ("blocks: zero / one DCT / constant BRDF / triple, %".to_owned(), list(blocks.frame.case_percent())),
-        (format!("samples of BRDF: 1 / 4 / 16 / {all}, %"), list(blocks.frame.samples_percent())),
-        ("coefficients a partly hidden block".to_owned(), format!("{:.1}", stats.coded.mean_changes_of_mixed())),
-        (
-            "bytes a vertex: memory / file / relighter".to_owned(),
-            [stats.coded.bytes_in_memory, stats.coded.bytes_in_file, blocks.relighter_bytes]
-                .map(|bytes| format!("{:.0}", a_vertex(bytes)))
-                .join(" / "),
-        ),
-        ("first frame, with the materials' tables, ms".to_owned(), format!("{:.1}", blocks.first_ms)),
-        ("million vertices a second".to_owned(), format!("{:.3}", rate(stats.vertices, outcome.relight_ms) / 1e6)),
-    ];
-    if let Some(ms) = blocks.baseline_ms {
-        rows.push(("pixel by pixel: ms a frame".to_owned(), format!("{ms:.1}")));
-        rows.push((
-            "pixel by pixel: million vertices a second".to_owned(),
-            format!("{:.3}", rate(stats.vertices, ms) / 1e6),
-        ));
-        rows.push(("speed-up".to_owned(), format!("{:.1}", ms / outcome.relight_ms)));
-    }
-    let rows: Vec<_> = rows.into_iter().map(|(name, value)| vec![name, value]).collect();
-    Some(table::format(&[outcome.method, &settings(blocks)], &rows))
-}
-
-/// The blocks and what chooses their samples, in ASCII.
-pub fn settings(blocks: &Blocks) -> String {
-    let (side, rule) = (blocks.side, blocks.sampling.name());
-    match blocks.tolerance {
-        Some(tolerance) => format!("blocks of {side}x{side}, {rule} by {tolerance}"),
-        None => format!("blocks of {side}x{side}, {rule}"),
-    }
-}
-
-/// Vertices a second.
-fn rate(vertices: usize, ms: f64) -> f64 {
-    1e3 * vertices as f64 / ms
-}
-
-/// The keys that only block-product has.
-fn block_keys(args: &Args, outcome: &Outcome, blocks: &Blocks) -> Map<String, Value> {
-    let stats = &blocks.transport;
-    let [zero, one_dct, constant_brdf, triple] = blocks.frame.case_percent();
-    let samples = ["1", "4", "16", &(blocks.side * blocks.side).to_string()].map(str::to_owned);
-    let samples: Map<_, _> = samples.into_iter().zip(blocks.frame.samples_percent().map(Value::from)).collect();
-    let mut keys = Map::new();
-    let mut put = |key: &str, value: Value| drop(keys.insert(key.to_owned(), value));
-    put("block_side", json!(blocks.side));
-    put("rule", json!(blocks.sampling.name()));
-    put("case_percent", json!({ "zero": zero, "one_dct": one_dct, "constant_brdf": constant_brdf, "triple": triple }));
-    put("samples_percent", Value::Object(samples));
-    put("coeffs_per_block", json!(stats.coded.mean_changes_of_mixed()));
-    put("database_bytes", json!(stats.coded.bytes_in_file));
-    put("bytes_per_vertex", json!(stats.coded.bytes_in_memory as f64 / stats.vertices as f64));
-    put("shaded_vertices", json!(blocks.frame.vertices));
-    put("first_frame_ms", json!(blocks.first_ms));
-    put("vertices_per_second", json!(rate(stats.vertices, outcome.relight_ms)));
-    if let Some(tolerance) = blocks.tolerance {
-        put("tolerance", json!(tolerance));
-    }
-    if let Some(ms) = blocks.baseline_ms {
-        put("baseline_ms", json!(ms));
-        put("baseline_vertices_per_second", json!(rate(stats.vertices, ms)));
-    }
-    if let Some(bits) = args.visibility_bits {
-        put("visibility_bits", json!(bits));
-        put("visibility_samples", json!(args.visibility_samples));
-    }
-    keys
+/// What single methods have to tell, as text.
+pub fn details(run: &Run) -> Vec<String> {
+    let details = run.results.iter().filter_map(|o| Some((o.method, o.details.as_ref()?)));
+    let table = |(method, (heading, rows)): (&str, &(String, Vec<[String; 2]>))| {
+        table::format(&[method, heading], &rows.iter().map(|row| row.to_vec()).collect::<Vec<_>>())
+    };
+    details.map(table).collect()
 }
 
 /// A PSNR that JSON can hold: an exact result has none.
@@ -132,9 +64,7 @@ pub fn save(args: &Args, scene: &Scene, run: &Run) -> Result<(), Failure> {
         if let Some(terms) = o.light_terms {
             put("light_terms", json!(terms));
         }
-        if let Some(blocks) = &o.blocks {
-            keys.extend(block_keys(args, o, blocks));
-        }
+        keys.extend(o.keys.clone());
         Value::Object(keys)
     };
     let eye = scene.camera.eye();

@@ -1,10 +1,10 @@
 //! Runs the methods and measures them against ground truth.
+//!
+//! A method is one file: a type that holds its own options and implements [`Method`]. A line in [`methods!`] makes it known.
 
 mod block_product;
 mod wavelet_double;
 mod wavelet_triple;
-
-pub use block_product::Blocks;
 
 use std::time::Instant;
 
@@ -14,8 +14,9 @@ use haarmonic::scene::{
     BinaryVisibility, Comparison, GroundTruth, TexelVisibility, View, VisibilityBaker, VisibilitySettings,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
+use serde_json::{Map, Value};
 
-use crate::args::{Args, Method};
+use crate::args::Args;
 use crate::scene::{Scene, turn};
 use crate::support::Failure;
 use crate::support::progress::Bar;
@@ -26,6 +27,56 @@ pub struct Run {
     pub truth: Vec<Vector3<f64>>,
     pub results: Vec<Outcome>,
     pub visibility_s: f64,
+}
+
+/// What the ground truth is called among the methods.
+pub const REFERENCE: &str = "reference";
+
+/// A method that can be compared with ground truth.
+pub trait Method {
+    /// As `--method` and the report have it.
+    fn name(&self) -> &'static str;
+
+    /// Whether it is one of those that Inger 2013 compares.
+    fn is_of_paper(&self) -> bool {
+        false
+    }
+
+    /// What the types of its options do not say.
+    fn check(&self, _: &Args) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Bakes, runs the frames and measures.
+    fn run(&self, stage: &Stage, truth: &[Vector3<f64>]) -> Result<Outcome, Failure>;
+}
+
+/// The options of all methods, and the methods in the order of the report.
+macro_rules! methods {
+    ($($module:ident: $method:ident, $name:literal;)*) => {
+        #[derive(Debug, clap::Args)]
+        pub struct Methods {
+            $(
+                #[command(flatten)]
+                $module: $module::$method,
+            )*
+        }
+
+        impl Methods {
+            /// What `--method` takes, but for `reference` and `all`.
+            pub const NAMES: [&'static str; [$($name),*].len()] = [$($name),*];
+
+            pub fn all(&self) -> [&dyn Method; Self::NAMES.len()] {
+                [$(&self.$module),*]
+            }
+        }
+    };
+}
+
+methods! {
+    wavelet_double: WaveletDouble, "wavelet-double";
+    wavelet_triple: WaveletTriple, "wavelet-triple";
+    block_product: BlockProduct, "block-product";
 }
 
 /// One method's result.
@@ -40,7 +91,12 @@ pub struct Outcome {
     pub transport_bytes: usize,
     /// Kept terms of the light, for the methods that choose.
     pub light_terms: Option<usize>,
-    pub blocks: Option<Blocks>,
+    /// What the picture's caption says of how it was made.
+    pub caption: String,
+    /// Keys of the report that only this method has.
+    pub keys: Map<String, Value>,
+    /// What only this method has to tell, as a table: its heading, names and values.
+    pub details: Option<(String, Vec<[String; 2]>)>,
 }
 
 impl Run {
@@ -83,34 +139,30 @@ impl Run {
         };
 
         let mut results = Vec::new();
-        if args.wants(Method::Reference) {
+        if args.wants_reference() {
             let radiance: Vec<Vector3<f32>> = reference.iter().map(|l| l.cast()).collect();
             results.push(Outcome {
-                method: "reference",
+                method: REFERENCE,
                 comparison: Comparison::new(&truth, &reference)?,
                 radiance,
                 bake_s: visibility_s,
                 relight_ms: reference_ms,
                 transport_bytes: size_of_val(visibility.words()),
                 light_terms: None,
-                blocks: None,
+                caption: "every texel".to_owned(),
+                keys: Map::new(),
+                details: None,
             });
         }
-        if args.wants(Method::WaveletDouble) {
-            results.push(wavelet_double::run(&stage, &truth)?);
-        }
-        if args.wants(Method::WaveletTriple) {
-            results.push(wavelet_triple::run(&stage, &truth)?);
-        }
-        if args.wants(Method::BlockProduct) {
-            results.push(block_product::run(&stage, &truth)?);
+        for method in args.methods.all().into_iter().filter(|method| args.wants(*method)) {
+            results.push(method.run(&stage, &truth)?);
         }
         Ok(Self { truth, results, visibility_s })
     }
 }
 
 /// The frames of a method.
-struct Frames {
+pub struct Frames {
     /// The first frame's.
     radiance: Vec<Vector3<f32>>,
     first_ms: f64,
@@ -118,7 +170,7 @@ struct Frames {
 }
 
 /// What all methods share.
-struct Stage<'a> {
+pub struct Stage<'a> {
     args: &'a Args,
     scene: &'a Scene,
     view: View,
@@ -138,6 +190,11 @@ impl Stage<'_> {
     ) -> Result<Vec<Vector3<f64>>, Failure> {
         let Scene { mesh, materials, .. } = self.scene;
         Ok(GroundTruth { mesh, materials, view: &self.view, light }.radiance(visibility, bar)?)
+    }
+
+    /// What a caption says of a light that keeps few terms.
+    fn terms(&self, kept: usize) -> String {
+        format!("{kept} light terms ({}), by {:?}", self.args.terms, self.args.weighting).to_lowercase()
     }
 
     /// Times `count` frames, each under a light turned a little further.
