@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use crate::args::Args;
 use crate::support::axis::{Axis, Scale, number};
-use crate::support::plot::{self, Chart, Look, Marker, Series};
+use crate::support::plot::{self, Chart, Look, Series};
 use crate::support::sheet::{PAPER, Sheet};
 use crate::support::table;
 use crate::{Failure, pair};
@@ -95,10 +95,11 @@ impl Counts {
             };
             let along =
                 |f: &dyn Fn(usize) -> f64| self.sizes.iter().map(|&n| [n as f64, value(n, f(n) as usize)]).collect();
-            let grey = Look { colour: [190, 192, 198], marker: Marker::None, width: 1.0, dashes: [0, 0] };
+            let grey = Look { colour: [190, 192, 198], width: 1.0, ..Look::PALE };
             let mut series: Vec<Series> =
                 self.random().map(|c| Series { look: grey, ..Series::curve("", 0, points(c)) }).collect();
-            series.push(Series::law("most found: 8N − (k+2)(k+4)", [0, 0], along(&|n| law(n) as f64)));
+            let most = Series::curve("most found: 8N − (k+2)(k+4)", 0, along(&|n| law(n) as f64));
+            series.push(Series { look: Look::PALE, ..most });
             series.push(Series::law("thesis: Nk + k²", [4, 6], along(&bound)));
             series.push(Series::law("pairs: 2k(N−1) − k²", [16, 8], along(&pairs)));
             series.extend(highlighted.iter().enumerate().map(|(k, c)| Series::new(&name(c.map), k, points(c))));
@@ -172,7 +173,7 @@ fn name(map: AffineMap) -> String {
     if (s - 1.0).abs() < 1e-3 {
         format!("s = 1 + {}, o = {}", number(s - 1.0), number(o))
     } else {
-        format!("s = {s:.3}, o = {o:.3}")
+        format!("s = {s:.3}, o = {o:.3}").replace('-', "−")
     }
 }
 

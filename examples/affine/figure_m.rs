@@ -36,10 +36,15 @@ pub fn draw() -> Sheet {
     let over_c = |(k, r): (usize, f64)| {
         Series::curve(&format!("r = {r}"), k, steps(-1.0, 2.0).map(|c| [c - 0.5, m(r, c)]).collect())
     };
+    // The last two lie on each other where they rise and fall.
+    let under = |mut s: Series| {
+        s.look = if s.label == "r = 1" { s.look.wider(2.5) } else { s.look };
+        s
+    };
     let over_r = |(k, c): (usize, f64)| {
         Series::curve(&format!("c − 1/2 = {}", c - 0.5), k, steps(0.0, 2.0).map(|r| [r, m(r, c)]).collect())
     };
-    let cuts_c = [0.125, 0.25, 0.375, 0.5, 1.0, 1.5].into_iter().enumerate().map(over_c).collect();
+    let cuts_c = [0.125, 0.25, 0.375, 0.5, 1.0, 1.5].into_iter().enumerate().map(over_c).map(under).collect();
     let cuts_r = [0.5, 0.625, 0.75, 0.875, 1.0, 1.25].into_iter().enumerate().map(over_r).collect();
     let notes = [
         "M(r, c) = ∫ ψ((u − c)/2r + 1/2) ψ(u) du",

@@ -176,10 +176,9 @@ impl Panel {
         let crossings = self.crossings([PropagationRoute::Wavelets, PropagationRoute::Pixels]);
         let notes = crossings.iter().map(|[percent, _]| format!("equal at {percent:.0} %")).collect::<Vec<_>>();
         let crossings = crossings.into_iter().map(|[percent, time]| [percent, time / 1e3]).collect();
-        let wide = Look { colour: [245, 214, 96], marker: Marker::None, width: 13.0, dashes: [0, 0] };
-        let dark = Look { colour: INK, marker: Marker::Diamond, width: 0.0, dashes: [0, 0] };
+        let dark = Look { colour: INK, marker: Marker::Diamond, radius: 6.5, width: 0.0, dashes: [0, 0] };
         let series = vec![
-            Series { look: wide, ..Series::curve("the engine's choice", 0, points(&|s| s.times[3])) },
+            Series { look: Look::PALE, ..Series::curve("the engine's choice", 0, points(&|s| s.times[3])) },
             route(PropagationRoute::Wavelets as usize, "wavelets"),
             route(PropagationRoute::Pixels as usize, "pixels"),
             route(PropagationRoute::Lookups as usize, "look-ups"),

@@ -32,9 +32,9 @@ pub fn matrix(measured: &Measured) -> Sheet {
         })
     };
     let row = vec![
-        panel(["visibility, rows and columns in their order", "brighter = more visible"], window.levels(matrix)),
+        panel(["visibility, in the matrix's own order", "brighter = more visible"], window.levels(matrix)),
         panel(["the same, reordered by biclusters", ""], sorted.levels(matrix)),
-        panel(["a colour for each bicluster", "grey: one of a single row; white: more than one"], sorted.members()),
+        panel(["a colour for each bicluster", "grey: of one row; white: two or more"], sorted.members()),
     ];
     Sheet::new(
         "A piece of the transfer matrix: rows = (vertex, local direction), columns = texels of the light",
@@ -148,7 +148,7 @@ pub fn scaling(all: &[Measured], name: &str) -> Sheet {
     let times = Chart {
         title: format!("Search, {name}"),
         x: Axis::between("vertices", Scale::Log10, few, many),
-        y: Axis::new("seconds", Scale::Log10),
+        y: Axis::new("time of the search, s", Scale::Log10),
         series: vec![
             Series::law("linear in the vertices", [16, 8], law),
             Series::new("measured", 0, search).with_notes(notes),
@@ -168,10 +168,10 @@ pub fn scaling(all: &[Measured], name: &str) -> Sheet {
         series: vec![
             share(0, "operations", &|m| m.percent()[0]),
             share(1, "bytes", &|m| m.percent()[1]),
-            share(2, "time (RGB, 2 passes)", &time),
+            share(2, "time (RGB)", &time),
         ],
         ..times.clone()
     };
     let legend = |chart: &Chart, columns| plot::legend(&chart.series, columns, SIZE[0]);
-    Sheet::grid(&[vec![times.draw(), shares.draw()], vec![legend(&times, 2), legend(&shares, 2)]], PAPER)
+    Sheet::grid(&[vec![times.draw(), shares.draw()], vec![legend(&times, 2), legend(&shares, 3)]], PAPER)
 }

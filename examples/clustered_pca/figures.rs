@@ -94,7 +94,7 @@ pub fn errors(all: &[Measured]) -> Sheet {
                 let points = all.iter().filter(|m| m.clusters == clusters).map(|m| point(m, &m.formats[format]));
                 let name = if clusters == 1 { "PCA".to_owned() } else { format!("{clusters} clusters") };
                 let line = Series::new(&format!("{name}, {}", Format::ALL[format].name()), k, points.collect());
-                series.push(Series { look: Look { dashes, ..LOOKS[k] }, ..line });
+                series.push(Series { look: Look { dashes, ..LOOKS[k].wider(if k == 0 { 2.0 } else { 0.0 }) }, ..line });
             }
         }
         series

@@ -40,7 +40,7 @@ fn ball(basis: &Basis<f64>, turn: &Rotation3<f64>, l: usize, m: isize) -> Panel 
         shade(y[index(l, m)] / FULL, 0.55 + 0.45 * near.sqrt())
     });
     let pixels = pixels.collect();
-    Panel { caption: vec![format!("{l}, {m}")], width: SIZE, height: SIZE, pixels }
+    Panel { caption: vec![format!("{l}, {m}").replace('-', "−")], width: SIZE, height: SIZE, pixels }
 }
 
 /// From grey at 0 to a hue at ±1.

@@ -30,9 +30,11 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
         Some(Panel { caption, width: args.size, height: args.size, pixels })
     };
     let side = args.truth_resolution.unwrap_or(args.resolution);
-    let mut pictures =
-        vec![panel(vec![format!("ground truth, {side} × {side} × 6 texels"), scene.brdf.clone()], shown(&truth))];
-    let mut maps = vec![panel(vec!["error maps: scale".to_owned()], legend(args.size))];
+    let mut pictures = vec![panel(
+        vec![format!("ground truth, {side} × {side} × 6 texels"), format!("reflectance: {}", scene.brdf)],
+        shown(&truth),
+    )];
+    let mut maps = vec![panel(vec!["scale of the error maps".to_owned()], legend(args.size))];
     for outcome in run.results.iter().filter(|o| o.method != "reference" || o.comparison.rel_l2 > 0.0) {
         pictures.push(panel(caption(args, outcome), shown(&outcome.radiance)));
         let errors = relative_errors(&truth, &outcome.radiance);
@@ -78,7 +80,7 @@ fn caption(args: &Args, outcome: &Outcome) -> Vec<String> {
         (_, Some(blocks)) => report::settings(blocks),
         _ => "every texel".to_owned(),
     };
-    vec![format!("{}: {quality}, {:.1} ms a frame", outcome.method, outcome.relight_ms), terms]
+    vec![format!("{}: {quality}", outcome.method), format!("{:.1} ms a frame", outcome.relight_ms), terms]
 }
 
 /// The 98th percentile of the radiance: what shall be white.

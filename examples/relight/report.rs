@@ -61,8 +61,8 @@ pub fn block_table(run: &Run) -> Option<String> {
 pub fn settings(blocks: &Blocks) -> String {
     let (side, rule) = (blocks.side, blocks.sampling.name());
     match blocks.tolerance {
-        Some(tolerance) => format!("blocks of {side}x{side}, {rule} by {tolerance}"),
-        None => format!("blocks of {side}x{side}, {rule}"),
+        Some(tolerance) => format!("blocks of {side} × {side}, {rule} by {tolerance}"),
+        None => format!("blocks of {side} × {side}, {rule}"),
     }
 }
 

@@ -5,31 +5,31 @@ use crate::support::axis::{Axis, Scale};
 use crate::support::plot::{self, Chart, LOOKS, Look, Series};
 use crate::support::sheet::{PAPER, Sheet};
 
-/// What is drawn, in which look and width: what lies on the same line is drawn the thinner the later.
+/// What is drawn, in which look and by how much wider than usual: of what lies on the same line all is seen, like a flag.
 const DRAWN: [(&str, usize, f64); 7] = [
-    ("HYB", 2, 8.0),
-    ("OL", 1, 4.5),
-    ("PS-9", 5, 2.6),
-    ("products", 6, 2.6),
-    ("PS*-2", 0, 4.5),
-    ("grid", 4, 2.6),
-    ("grid, fitted discs", 3, 2.6),
+    ("OL", 1, 9.0),
+    ("HYB", 2, 7.0),
+    ("PS*-2", 0, 5.0),
+    ("PS-9", 5, 3.3),
+    ("grid", 4, 1.8),
+    ("grid, fitted discs", 3, 0.4),
+    ("products", 6, -0.9),
 ];
 const SIZE: [usize; 2] = [760, 580];
 
 /// Error against ‖f̂‖, a chart for each number of bands.
 pub fn errors(measured: &[Measured]) -> Sheet {
     let chart = |m: &Measured| {
-        let series = DRAWN.iter().filter_map(|&(name, look, width)| {
+        let series = DRAWN.iter().filter_map(|&(name, look, wider)| {
             let row = m.rows.iter().find(|row| row.name == name)?;
             let points = m.norms.iter().zip(row.bins).filter(|(_, error)| error.is_finite());
             let line = Series::new(name, look, points.map(|(&x, error)| [x, error]).collect());
-            Some(Series { look: Look { width, ..LOOKS[look] }, ..line })
+            Some(Series { look: LOOKS[look].wider(wider), ..line })
         });
         Chart {
             title: format!("{} bands", m.bands),
-            x: Axis::between("norm of the logarithm without its mean, ‖f̂‖", Scale::Log2, 0.125, 16.0),
-            y: Axis::between("mean relative L² error of visibility", Scale::Log10, 1e-3, 10.0),
+            x: Axis::between("norm of the logarithm without its mean, ‖f̂‖", Scale::Log2, 0.2, 14.0),
+            y: Axis::between("mean relative L² error of visibility", Scale::Log10, 4e-4, 2.0),
             series: series.collect(),
             size: SIZE,
         }
@@ -44,11 +44,12 @@ pub fn errors(measured: &[Measured]) -> Sheet {
 pub fn times(measured: &[Measured]) -> Sheet {
     let chart = |m: &Measured| {
         let mut series = Vec::new();
-        for (name, look, _) in DRAWN {
+        for (name, look, wider) in DRAWN {
             let found = m.rows.iter().find(|row| row.name == name).and_then(|row| Some((row, row.times?)));
             if let Some((row, [_, batch])) = found {
                 let point = Series::points(name, look, vec![[batch, row.error.min(1.0)]]);
-                series.push(point.with_notes([format!("{name}: {batch:.0} ns")]));
+                let look = Look { width: 0.0, ..point.look.wider(0.8 * wider) };
+                series.push(Series { look, ..point }.with_notes([format!("{name}: {batch:.0} ns")]));
             }
         }
         let times = || series.iter().map(|s| s.points[0][0]);
@@ -58,10 +59,10 @@ pub fn times(measured: &[Measured]) -> Sheet {
             x: Axis::between(
                 "ns for a vector, f32, batch of 256, one thread",
                 Scale::Log10,
-                fastest / 2.0,
-                slowest * 2.0,
+                fastest / 1.7,
+                slowest * 1.7,
             ),
-            y: Axis::between("mean relative L² error, at most 1", Scale::Log10, 0.01, 1.5),
+            y: Axis::between("mean relative L² error, at most 1", Scale::Log10, 0.02, 1.5),
             series,
             size: SIZE,
         }

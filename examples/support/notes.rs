@@ -51,7 +51,8 @@ impl Notes {
     /// Writes each where it covers least of points, lines and other words.
     pub fn draw(&self, root: &DrawingArea<Canvas<'_>, Shift>, font: Type) {
         let mut taken: Vec<Bounds> = Vec::new();
-        for ((x, y), text, colour) in &self.notes {
+        for (at, text, colour) in &self.notes {
+            let (x, y) = *at;
             let (width, height) = (font.width(text).ceil() as i32, font.size.ceil() as i32);
             let candidates = [12, 26, 44].into_iter().flat_map(|away| {
                 let (side, up) = (away * FINE, (away - 2) * FINE);
@@ -73,6 +74,12 @@ impl Notes {
             taken.push(best);
             let [r, g, b] = [0, 1, 2].map(|k| ((u16::from(colour[k]) * 3 + u16::from(INK[k]) * 2) / 5) as u8);
             let style = ("", font.size).into_font().color(&RGBColor(r, g, b)).pos(Pos::new(HPos::Left, VPos::Center));
+            // A thin line to words that are not beside their point.
+            let near = (x.clamp(best[0], best[2]), y.clamp(best[1], best[3]));
+            if (near.0 - x).abs().max((near.1 - y).abs()) > 16 * FINE {
+                let line = PathElement::new(vec![(x, y), near], RGBColor(r, g, b).stroke_width(FINE as u32));
+                root.draw(&line).unwrap_or_else(|failure| panic!("drawing on a canvas failed: {failure}"));
+            }
             let written = root.draw(&Text::new(text.as_str(), (best[0], (best[1] + best[3]) / 2), style));
             written.unwrap_or_else(|failure| panic!("drawing on a canvas failed: {failure}"));
         }

@@ -37,12 +37,14 @@ pub enum Marker {
 pub struct Look {
     pub colour: [u8; 3],
     pub marker: Marker,
+    /// Half the size of the marker.
+    pub radius: f64,
     pub width: f64,
     pub dashes: [i32; 2],
 }
 
 const fn look(colour: [u8; 3], marker: Marker, dashes: [i32; 2]) -> Look {
-    Look { colour, marker, width: 2.6, dashes }
+    Look { colour, marker, radius: 6.5, width: 2.6, dashes }
 }
 
 /// The looks of all charts: colours that are told apart by most eyes [Okabe and Ito], each with a marker and dashes of its own.
@@ -86,7 +88,7 @@ impl Series {
 
     /// Bounds and laws: a thin dark line in dashes.
     pub fn law(label: &str, dashes: [i32; 2], points: Vec<[f64; 2]>) -> Self {
-        let look = Look { colour: INK, marker: Marker::None, width: 2.0, dashes };
+        let look = Look { colour: INK, marker: Marker::None, radius: 0.0, width: 2.0, dashes };
         Self { look, ..Self::new(label, 0, points) }
     }
 
@@ -107,6 +109,17 @@ pub struct Chart {
     pub size: [usize; 2],
 }
 
+impl Look {
+    /// Wide and pale, without markers: to lie under another line.
+    pub const PALE: Self =
+        Self { colour: [245, 214, 96], marker: Marker::None, radius: 0.0, width: 13.0, dashes: [0, 0] };
+
+    /// A full line and markers that are wider than usual by `more` pixels on each side: seen under others that lie on it.
+    pub fn wider(self, more: f64) -> Self {
+        Self { radius: self.radius + more, width: self.width + 2.0 * more, dashes: [0, 0], ..self }
+    }
+}
+
 impl Chart {
     /// Draws it.
     pub fn draw(&self) -> Sheet {
@@ -116,7 +129,7 @@ impl Chart {
     /// Draws it over colours that depend on x and y.
     pub fn draw_over(&self, picture: Option<&dyn Fn(f64, f64) -> [u8; 3]>) -> Sheet {
         let points = || self.series.iter().flat_map(|s| s.points.iter());
-        let x = Ruler::new(&self.x, points().map(|p| p[0]), self.size[0] / 105);
+        let x = Ruler::new(&self.x, points().map(|p| p[0]), self.size[0] / 85);
         let y = Ruler::new(&self.y, points().map(|p| p[1]), self.size[1] / 62);
         figure(self.size, |root| {
             let chart = self.frame(root, [&x, &y]);
@@ -144,11 +157,9 @@ impl Chart {
                     if x.contains(p[0]) && y.contains(p[1]) && series.look.marker != Marker::None {
                         mark(root, &series.look, place(p));
                         labels.avoid_point(place(p));
-                        series
-                            .notes
-                            .get(k)
-                            .into_iter()
-                            .for_each(|note| labels.push(place(p), note, series.look.colour));
+                        if let Some(note) = series.notes.get(k) {
+                            labels.push(place(p), note, series.look.colour);
+                        }
                     }
                 }
             }
@@ -287,10 +298,10 @@ fn mark(root: &Area<'_>, look: &Look, (x, y): (i32, i32)) {
             }
         }
     };
-    fill(PAPER, 8.0);
-    fill(look.colour, 6.5);
+    fill(PAPER, look.radius + 1.5);
+    fill(look.colour, look.radius);
     if look.marker == Marker::Ring {
-        fill(PAPER, 3.5);
+        fill(PAPER, 0.55 * look.radius);
     }
 }
 

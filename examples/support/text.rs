@@ -38,18 +38,19 @@ impl Type {
     }
 
     /// Calls `glyph` with every character's outline and its place along the line; returns the width in pixels.
-    fn layout(self, text: &str, mut glyph: impl FnMut(&FontRef<'_>, GlyphId, PxScale, f32)) -> f32 {
+    fn layout(self, text: &str, mut glyph: impl FnMut(&FontRef<'_>, GlyphId, PxScale, [f32; 2])) -> f32 {
         let font = self.font();
         let em = font.units_per_em().expect("the font says its units");
         let scale = PxScale::from(self.size * font.height_unscaled() / em);
         let scaled = font.as_scaled(scale);
-        let (mut x, mut last) = (0.0, None);
+        let (mut x, mut last) = (0.0, ' ');
         for c in text.chars() {
             let id = font.glyph_id(c);
-            x += last.map_or(0.0, |last| scaled.kern(last, id));
-            glyph(&font, id, scale, x);
+            // A combining sign is made for letters as high as x; over an f it sits higher.
+            let lift = if c == '\u{302}' && last == 'f' { 0.2 * self.size } else { 0.0 };
+            glyph(&font, id, scale, [x, -lift]);
             x += scaled.h_advance(id);
-            last = Some(id);
+            last = c;
         }
         x
     }
@@ -61,8 +62,8 @@ impl Type {
 
     /// Calls `pixel(x, y, coverage)` for what the text covers; its baseline begins at (0, 0), y points down.
     pub fn draw(self, text: &str, mut pixel: impl FnMut(i32, i32, f32)) {
-        self.layout(text, |font, id, scale, x| {
-            let Some(outline) = font.outline_glyph(id.with_scale_and_position(scale, point(x, 0.0))) else { return };
+        self.layout(text, |font, id, scale, [x, y]| {
+            let Some(outline) = font.outline_glyph(id.with_scale_and_position(scale, point(x, y))) else { return };
             let corner = outline.px_bounds().min;
             outline.draw(|dx, dy, c| pixel(corner.x as i32 + dx as i32, corner.y as i32 + dy as i32, c.min(1.0)));
         });
