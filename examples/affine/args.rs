@@ -1,8 +1,8 @@
 //! The command line.
 
-use std::path::PathBuf;
-
 use clap::Parser;
+
+use crate::support::args::{Common, Folder, parse};
 
 /// Affine wavelets in pictures and tables: the canonical coupling, how many couplings are not zero, what tables of them cost,
 /// how long a light takes to a place.
@@ -11,10 +11,6 @@ use clap::Parser;
 #[derive(Debug, Parser)]
 #[command(version, name = "affine")]
 pub struct Args {
-    /// Folder of the pictures
-    #[arg(long, value_name = "DIR", default_value = "out/affine")]
-    pub out: PathBuf,
-
     /// Largest signal whose couplings are counted (a power of two)
     #[arg(long, value_name = "N", default_value_t = 2048)]
     pub largest: usize,
@@ -27,16 +23,19 @@ pub struct Args {
     #[arg(long, value_name = "R", default_value_t = 256)]
     pub cells: usize,
 
-    /// Also write the figures as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub folder: Folder,
 
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "T")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 impl Args {
+    /// The command line, with the defaults of this example.
+    pub fn new() -> Self {
+        parse(&[("out", "out/affine")])
+    }
+
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
         if !self.largest.is_power_of_two() || !(16..=16384).contains(&self.largest) {
@@ -47,9 +46,6 @@ impl Args {
         }
         if !(64..=1024).contains(&self.cells) {
             return Err(format!("--cells must be in 64...1024, got {}", self.cells));
-        }
-        if self.threads == Some(0) {
-            return Err("--threads must be at least 1".to_owned());
         }
         Ok(())
     }

@@ -4,8 +4,9 @@ use haarmonic::affine::{AffineMap, Nonzeros1d};
 use serde_json::{Value, json};
 
 use crate::args::Args;
-use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
-use crate::support::sheet::Sheet;
+use crate::support::axis::{Axis, Scale, number};
+use crate::support::plot::{self, Chart, Look, Series};
+use crate::support::sheet::{PAPER, Sheet};
 use crate::support::table;
 use crate::{Failure, pair};
 
@@ -13,6 +14,8 @@ use crate::{Failure, pair};
 const LARGEST: f64 = 4.0;
 /// Curves that are drawn in colour and tabulated.
 const HIGHLIGHTED: usize = 7;
+/// Of the picture, in pixels.
+const WIDTH: usize = 1640;
 
 /// The counts of every map and size.
 pub struct Counts {
@@ -90,54 +93,52 @@ impl Counts {
             let points = |c: &Curve| {
                 self.sizes.iter().zip(&c.wavelets).map(|(&n, &count)| [n as f64, value(n, count)]).collect::<Vec<_>>()
             };
-            let grey = self.random().map(|c| Series { width: 0.7, ..Series::line("", [190, 192, 198], points(c)) });
-            let mut series: Vec<Series> = grey.collect();
-            for (k, c) in highlighted.iter().enumerate() {
-                let name = name(c.map);
-                series.push(Series { dots: 5.0, ..Series::line(&name, COLOURS[k], points(c)) });
-            }
             let along =
                 |f: &dyn Fn(usize) -> f64| self.sizes.iter().map(|&n| [n as f64, value(n, f(n) as usize)]).collect();
-            series.push(Series::dashed("most: 8N - (k+2)(k+4)", [0, 0, 0], along(&|n| law(n) as f64)));
-            series.push(Series::dashed("thesis: N k + k^2", [0, 170, 190], along(&bound)));
-            series.push(Series::dashed("pairs: 2k(N-1) - k^2", [150, 60, 160], along(&pairs)));
+            let grey = Look { colour: [190, 192, 198], width: 1.0, ..Look::PALE };
+            let mut series: Vec<Series> =
+                self.random().map(|c| Series { look: grey, ..Series::curve("", 0, points(c)) }).collect();
+            let most = Series::curve("most found: 8N − (k+2)(k+4)", 0, along(&|n| law(n) as f64));
+            series.push(Series { look: Look::PALE, ..most });
+            series.push(Series::law("thesis: Nk + k²", [4, 6], along(&bound)));
+            series.push(Series::law("pairs: 2k(N−1) − k²", [16, 8], along(&pairs)));
+            series.extend(highlighted.iter().enumerate().map(|(k, c)| Series::new(&name(c.map), k, points(c))));
             series
         };
-        let chart = |title: &str, y: Axis, series: Vec<Series>, legend| Chart {
+        let chart = |title: &str, y: Axis, series: Vec<Series>| Chart {
             title: title.to_owned(),
-            x: Axis::new("signal size N", Scale::Log2),
+            x: Axis::new("signal size N (k = log₂ N)", Scale::Log2),
             y,
             series,
-            legend,
-            caption: Vec::new(),
-            size: [600, 470],
+            size: [WIDTH / 2, 640],
         };
         let a = chart(
-            "A: non-zero couplings (wavelets only)",
-            Axis::new("count", Scale::Log10),
+            "A: couplings that are not zero (wavelets only)",
+            Axis::new("number of couplings", Scale::Log10),
             curves(&|_, count| count as f64),
-            Legend::TopLeft,
         );
         let b = chart(
             "B: the same, divided by N",
-            Axis::between("count / N", Scale::Linear, 0.0, 12.0),
+            Axis::between("number of couplings / N", Scale::Linear, 0.0, 12.0),
             curves(&|n, count| count as f64 / n as f64),
-            Legend::None,
         );
-        let mut lines = vec!["C: values of the coloured curves; k = log2 N".to_owned(), String::new()];
-        lines.extend(self.values(&highlighted).lines().map(str::to_owned));
-        plot::grid(&[vec![a.draw(), b.draw()], vec![plot::text(&lines, [1200, 32 + 15 * lines.len()])]])
+        let mut legend: Vec<Series> = a.series.clone();
+        if let Some(one) = legend.first_mut() {
+            one.label = format!("one of {} random maps", self.random().count());
+        }
+        let legend = plot::legend(&legend, 3, WIDTH);
+        Sheet::grid(&[vec![a.draw(), b.draw()], vec![legend], vec![self.values(&highlighted)]], PAPER)
     }
 
-    fn values(&self, highlighted: &[&Curve]) -> String {
-        let mut header = vec!["s, o".to_owned()];
-        header.extend(self.sizes.iter().map(|n| format!("N = {n}")));
+    fn values(&self, highlighted: &[&Curve]) -> Sheet {
         let row = |name: String, values: &mut dyn Iterator<Item = String>| [vec![name], values.collect()].concat();
+        let header = row("s, o".to_owned(), &mut self.sizes.iter().map(|n| format!("N = {n}")));
         let mut rows: Vec<Vec<String>> =
             highlighted.iter().map(|c| row(name(c.map), &mut c.wavelets.iter().map(usize::to_string))).collect();
-        rows.push(row("most".into(), &mut self.sizes.iter().map(|&n| law(n).to_string())));
-        rows.push(row("N k + k^2".into(), &mut self.sizes.iter().map(|&n| format!("{:.0}", bound(n)))));
-        table::format(&header.iter().map(String::as_str).collect::<Vec<_>>(), &rows)
+        rows.push(row("most found".into(), &mut self.sizes.iter().map(|&n| law(n).to_string())));
+        rows.push(row("thesis: Nk + k²".into(), &mut self.sizes.iter().map(|&n| format!("{:.0}", bound(n)))));
+        rows.push(row("pairs".into(), &mut self.sizes.iter().map(|&n| format!("{:.0}", pairs(n)))));
+        plot::table("C: values of the coloured curves", &header, &rows, WIDTH)
     }
 
     /// The curve near the identity, and random ones from the densest to the sparsest.
@@ -170,9 +171,9 @@ impl Curve {
 fn name(map: AffineMap) -> String {
     let [s, o] = [map.scale(), map.offset()];
     if (s - 1.0).abs() < 1e-3 {
-        format!("s = 1 + {:.0e}, o = {o:.0e}", s - 1.0)
+        format!("s = 1 + {}, o = {}", number(s - 1.0), number(o))
     } else {
-        format!("s = {s:.3}, o = {o:.3}")
+        format!("s = {s:.3}, o = {o:.3}").replace('-', "−")
     }
 }
 

@@ -20,23 +20,22 @@ mod times;
 use std::process::ExitCode;
 
 use args::Args;
-use clap::Parser;
 use serde_json::json;
 use support::Failure;
 
 fn main() -> ExitCode {
-    support::exit(run(&Args::parse()))
+    support::exit(run(&Args::new()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    support::make_folder(&args.out)?;
-    support::limit_threads(args.threads)?;
-    support::save(&args.out, "affine_m.png", &figure_m::draw())?;
+    args.common.start()?;
+    args.folder.make()?;
+    args.folder.save("affine_m.png", &figure_m::draw())?;
 
     let counts = counts::Counts::new(args)?;
     println!("Non-zero affine couplings of two Haar bases (ACC), most of any (s, o) tried\n\n{}", counts.table());
-    support::save(&args.out, "affine_counts.png", &counts.draw())?;
+    args.folder.save("affine_counts.png", &counts.draw())?;
 
     let bases = bases::count()?;
     println!("Non-zero couplings (ACC) and triplings (ATC) in different bases\n\n{}", bases.table());
@@ -64,25 +63,18 @@ fn run(args: &Args) -> Result<(), Failure> {
 
     let times = times::measure()?;
     println!("A light carried to a place: 3 channels together, f32, standard basis, one thread\n\n{}", times.table());
-    support::save(&args.out, "affine_times.png", &times.draw())?;
+    args.folder.save("affine_times.png", &times.draw())?;
 
-    if let Some(path) = &args.report {
-        let report = json!({
-            "example": "affine",
-            "version": env!("CARGO_PKG_VERSION"),
-            "threads": rayon::current_num_threads(),
-            "results": {
-                "counts": counts.report(),
-                "bases": bases.report(),
-                "canonical_table": canonical.report(),
-                "stored_couplings": stored.report(),
-                "selection": selection.report(),
-                "times": times.report(),
-            },
-        });
-        support::write_report(path, &report)?;
-    }
-    println!("pictures: affine_m.png, affine_counts.png, affine_times.png in {}", args.out.display());
+    let results = json!({
+        "counts": counts.report(),
+        "bases": bases.report(),
+        "canonical_table": canonical.report(),
+        "stored_couplings": stored.report(),
+        "selection": selection.report(),
+        "times": times.report(),
+    });
+    support::write_report(&args.common, "affine", json!({}), results)?;
+    println!("pictures: affine_m.png, affine_counts.png, affine_times.png in {}", args.folder.path.display());
     Ok(())
 }
 

@@ -1,7 +1,5 @@
 //! What tables of M and of couplings cost, and what they get wrong.
 
-use std::time::Instant;
-
 use haarmonic::affine::{
     AffineMap, CanonicalTable, Filter, MapGrid, Mother, Nonzeros1d, Quantisation, StoredCouplings, canonical as exact_m,
 };
@@ -10,6 +8,7 @@ use serde_json::{Value, json};
 
 use crate::lights::textured;
 use crate::support::table;
+use crate::support::timer::seconds;
 use crate::{Failure, pair};
 
 /// Scales of the stored couplings.
@@ -102,9 +101,9 @@ pub fn stored(largest: usize) -> Result<Stored, Failure> {
                     Cost { cells, bytes: 4.0 * last.bytes, seconds: 4.0 * last.seconds, measured: false }
                 }
                 _ => {
-                    let start = Instant::now();
-                    let stored = StoredCouplings::new(size, MapGrid::new(SCALES, [cells; 2])?, 4 << 30)?;
-                    let seconds = start.elapsed().as_secs_f64();
+                    let grid = MapGrid::new(SCALES, [cells; 2])?;
+                    let (stored, seconds) = seconds(|| StoredCouplings::new(size, grid, 4 << 30));
+                    let stored = stored?;
                     Cost { cells, bytes: stored.bytes() as f64, seconds, measured: true }
                 }
             };

@@ -6,13 +6,16 @@ use serde_json::{Value, json};
 
 use crate::contenders::{Case, Dense, PLACES, Table, best_of, light, places};
 use crate::support::Failure;
-use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
-use crate::support::sheet::Sheet;
+use crate::support::axis::{Axis, Scale};
+use crate::support::plot::{self, Chart, Look, Marker, Series};
+use crate::support::sheet::{INK, PAPER, Sheet};
 use crate::support::table;
 
 const BASIS: Decomposition = Decomposition::Standard;
 const CHANNELS: usize = 3;
 const ROUNDS: usize = 20;
+/// Of the picture, in pixels.
+const WIDTH: usize = 1640;
 /// Of relative L2 differences: sums in f32 in other orders, measured 2e-7.
 const TOLERANCE: f64 = 2e-6;
 
@@ -165,42 +168,38 @@ impl Panel {
         self.settings.windows(2).filter_map(between).collect()
     }
 
-    fn draw(&self, legend: Legend) -> Sheet {
+    fn chart(&self) -> Chart {
         let points = |time: &dyn Fn(&Setting) -> f64| {
             self.settings.iter().map(|s| [s.percent, time(s) / 1e3]).collect::<Vec<_>>()
         };
-        let route = |k: usize, name: &str| Series::dotted(name, COLOURS[k], points(&|s| s.times[k]));
+        let route = |k: usize, name: &str| Series::new(name, k, points(&|s| s.times[k]));
         let crossings = self.crossings([PropagationRoute::Wavelets, PropagationRoute::Pixels]);
-        let named = crossings.iter().map(|[percent, _]| format!("; wavelets = pixels at {percent:.0} %"));
-        let title = self.title() + &named.collect::<String>();
+        let notes = crossings.iter().map(|[percent, _]| format!("equal at {percent:.0} %")).collect::<Vec<_>>();
         let crossings = crossings.into_iter().map(|[percent, time]| [percent, time / 1e3]).collect();
-        let chosen = Series::line("the engine's choice", [245, 214, 96], points(&|s| s.times[3]));
+        let dark = Look { colour: INK, marker: Marker::Diamond, radius: 6.5, width: 0.0, dashes: [0, 0] };
         let series = vec![
-            Series { width: 9.0, ..chosen },
+            Series { look: Look::PALE, ..Series::curve("the engine's choice", 0, points(&|s| s.times[3])) },
             route(PropagationRoute::Wavelets as usize, "wavelets"),
             route(PropagationRoute::Pixels as usize, "pixels"),
             route(PropagationRoute::Lookups as usize, "look-ups"),
-            Series::dashed("summed-area table, Haar", COLOURS[3], points(&|_| self.table)),
-            Series::dashed("dense operator", COLOURS[6], points(&|_| self.dense)),
-            Series { dots: 11.0, width: 0.0, ..Series::line("wavelets = pixels", [0, 0, 0], crossings) },
+            Series::law("summed-area table, Haar", [16, 8], points(&|_| self.table)),
+            Series::law("dense operator", [4, 6], points(&|_| self.dense)),
+            Series { look: dark, ..Series::points("wavelets = pixels", 0, crossings) }.with_notes(notes),
         ];
         let ends = [self.along.percent()[0], 100.0];
         let (low, high) = if self.side == 32 { (0.3, 1000.0) } else { (1.0, 3000.0) };
         Chart {
-            title,
+            title: self.title(),
             x: Axis::between(
                 &format!("{} terms kept, %", self.along.name()),
                 Scale::Log10,
                 ends[0] * 0.85,
                 ends[1] * 1.18,
             ),
-            y: Axis::between("us a place, RGB", Scale::Log10, low, high),
+            y: Axis::between("µs for a place, three channels", Scale::Log10, low, high),
             series,
-            legend,
-            caption: Vec::new(),
-            size: [600, 430],
+            size: [WIDTH / 2, 580],
         }
-        .draw()
     }
 
     fn table(&self) -> String {
@@ -267,17 +266,15 @@ impl Times {
     }
 
     pub fn draw(&self) -> Sheet {
-        let rows = self.panels.chunks(2).enumerate().map(|(row, panels)| {
-            let legend = |k: usize| if (row, k) == (0, 0) { Legend::TopLeft } else { Legend::None };
-            panels.iter().enumerate().map(|(k, panel)| panel.draw(legend(k))).collect()
-        });
-        let mut rows: Vec<Vec<Sheet>> = rows.collect();
-        let note = format!(
-            "One light to one place after another, s between 1/2 and 2: {CHANNELS} channels together, f32, standard basis, one thread; \
-             best of {ROUNDS} rounds of {PLACES} places."
-        );
-        rows.push(vec![plot::text(&[note], [1200, 36])]);
-        plot::grid(&rows)
+        let charts: Vec<Chart> = self.panels.iter().map(Panel::chart).collect();
+        let mut rows: Vec<Vec<Sheet>> = charts.chunks(2).map(|pair| pair.iter().map(Chart::draw).collect()).collect();
+        let notes = [
+            format!("One light to one place after another, s between 1/2 and 2: {CHANNELS} channels together, f32,"),
+            format!("standard basis, one thread; best of {ROUNDS} rounds of {PLACES} places."),
+        ];
+        rows.push(vec![plot::legend(charts.iter().take(1).flat_map(|chart| &chart.series), 4, WIDTH)]);
+        rows.push(vec![plot::text(&notes, [WIDTH, 90])]);
+        Sheet::grid(&rows, PAPER)
     }
 
     pub fn report(&self) -> Value {

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
+use crate::support::args::{Common, Folder, parse};
+
 /// The transfer matrix of bi-scale radiance transfer, biclustered: operations, bytes and time against the vertices.
 ///
 /// Without arguments: the built-in torus knot at 1,000, 2,000 and 4,000 vertices, pictures in out/bicluster.
@@ -30,20 +32,19 @@ pub struct Args {
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
 
-    /// Folder of the pictures
-    #[arg(long, value_name = "DIR", default_value = "out/bicluster")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub folder: Folder,
 
-    /// Also write the figures as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
-
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "T")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 impl Args {
+    /// The command line, with the defaults of this example.
+    pub fn new() -> Self {
+        parse(&[("out", "out/bicluster")])
+    }
+
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
         if !(1..=8).contains(&self.sizes) {
@@ -51,9 +52,6 @@ impl Args {
         }
         if self.group_rows == 0 {
             return Err("--group-rows must be at least 1".to_owned());
-        }
-        if self.threads == Some(0) {
-            return Err("--threads must be at least 1".to_owned());
         }
         let smallest = self.vertices >> (self.sizes - 1);
         if self.mesh.is_none() && (smallest < 1000 || self.vertices > 200_000) {

@@ -3,13 +3,16 @@
 use haarmonic::compress::{Biclustering, SparseMatrix};
 
 use crate::measure::Measured;
-use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
-use crate::support::sheet::{Panel, Sheet};
+use crate::support::axis::{Axis, Scale};
+use crate::support::plot::{self, Chart, LOOKS, Series};
+use crate::support::sheet::{PAPER, Panel, Sheet};
 
 /// Entries of a panel along rows and columns, and pixels of an entry.
 const ROWS: usize = 190;
 const COLUMNS: usize = 130;
 const PIXELS: usize = 3;
+/// Of a chart.
+const SIZE: [usize; 2] = [760, 580];
 const BACK: [u8; 3] = [12, 12, 14];
 const DIM: [u8; 3] = [70, 72, 78];
 
@@ -29,9 +32,9 @@ pub fn matrix(measured: &Measured) -> Sheet {
         })
     };
     let row = vec![
-        panel(["visibility, rows and columns in their order", "brighter = more visible"], window.levels(matrix)),
+        panel(["visibility, in the matrix's own order", "brighter = more visible"], window.levels(matrix)),
         panel(["the same, reordered by biclusters", ""], sorted.levels(matrix)),
-        panel(["a colour for each bicluster", "grey: one of a single row; red: more than one"], sorted.members()),
+        panel(["a colour for each bicluster", "grey: of one row; white: two or more"], sorted.members()),
     ];
     Sheet::new(
         "A piece of the transfer matrix: rows = (vertex, local direction), columns = texels of the light",
@@ -95,7 +98,7 @@ impl Window {
             let mut covering = self.biclusters.iter().enumerate().filter(|(_, b)| covers(b));
             match (covering.next(), covering.next()) {
                 (None, _) => BACK,
-                (Some(_), Some(_)) => [235, 60, 50],
+                (Some(_), Some(_)) => [255; 3],
                 (Some((_, b)), None) if b.0.len() == 1 => DIM,
                 (Some((i, _)), None) => hue(i),
             }
@@ -126,11 +129,12 @@ fn most(items: impl Iterator<Item = (usize, u32)>, count: usize) -> Vec<u32> {
     items
 }
 
-/// Colours that differ from one index to the next, none of them red.
+/// The colours of charts in turn; the second and third time around lighter and darker.
 fn hue(index: usize) -> [u8; 3] {
-    let angle = 0.1 + 0.8 * (index as f64 * 0.618_034).fract();
-    let wave = |shift: f64| (0.5 + 0.5 * (std::f64::consts::TAU * (angle + shift)).cos()).powf(0.7);
-    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|shift| (50.0 + 195.0 * wave(shift)) as u8)
+    let colours = LOOKS.len() - 1; // grey is taken
+    let towards = [None, Some(255.0), Some(0.0)][index / colours % 3];
+    let mix = |c: u8| towards.map_or(c, |end| (0.6 * f64::from(c) + 0.4 * end) as u8);
+    LOOKS[index % colours].colour.map(mix)
 }
 
 /// Time and shares against the vertices.
@@ -138,29 +142,36 @@ pub fn scaling(all: &[Measured], name: &str) -> Sheet {
     let points = |f: &dyn Fn(&Measured) -> f64| all.iter().map(|m| [m.vertices as f64, f(m)]).collect::<Vec<_>>();
     let last = all.last().expect("at least one size");
     let law = points(&|m| last.search_seconds * m.vertices as f64 / last.vertices as f64);
+    let search = points(&|m| m.search_seconds);
+    let notes = search.iter().map(|p| format!("{:.2} s", p[1])).collect::<Vec<_>>();
+    let [few, many] = [all[0].vertices as f64 / 1.3, last.vertices as f64 * 1.3];
     let times = Chart {
         title: format!("Search, {name}"),
-        x: Axis::new("vertices", Scale::Log10),
-        y: Axis::new("seconds", Scale::Log10),
+        x: Axis::between("vertices", Scale::Log10, few, many),
+        y: Axis::new("time of the search, s", Scale::Log10),
         series: vec![
-            Series::dotted("measured", COLOURS[0], points(&|m| m.search_seconds)),
-            Series::dashed("linear in the vertices", COLOURS[6], law),
+            Series::law("linear in the vertices", [16, 8], law),
+            Series::new("measured", 0, search).with_notes(notes),
         ],
-        legend: Legend::TopLeft,
-        caption: Vec::new(),
-        size: [460, 380],
+        size: SIZE,
     };
-    let slowest = all.iter().map(|m| 100.0 * m.product_ms[1] / m.product_ms[0]).fold(30.0, f64::max);
+    let share = |k: usize, name: &str, f: &dyn Fn(&Measured) -> f64| {
+        let points = points(f);
+        let notes = points.iter().map(|p| format!("{:.1} %", p[1])).collect::<Vec<_>>();
+        Series::new(name, k, points).with_notes(notes)
+    };
+    let time = |m: &Measured| 100.0 * m.product_ms[1] / m.product_ms[0];
+    let slowest = all.iter().map(time).fold(30.0, f64::max);
     let shares = Chart {
-        title: "Cost of a product, % of the sparse matrix's".to_owned(),
-        y: Axis::between("%", Scale::Linear, 0.0, 1.4 * slowest),
+        title: "Cost of a product".to_owned(),
+        y: Axis::between("% of the sparse matrix's cost", Scale::Linear, 0.0, 1.15 * slowest),
         series: vec![
-            Series::dotted("operations", COLOURS[0], points(&|m| m.percent()[0])),
-            Series::dotted("bytes", COLOURS[1], points(&|m| m.percent()[1])),
-            Series::dotted("time, RGB, 2 passes", COLOURS[2], points(&|m| 100.0 * m.product_ms[1] / m.product_ms[0])),
+            share(0, "operations", &|m| m.percent()[0]),
+            share(1, "bytes", &|m| m.percent()[1]),
+            share(2, "time (RGB)", &time),
         ],
-        legend: Legend::TopRight,
         ..times.clone()
     };
-    plot::grid(&[vec![times.draw(), shares.draw()]])
+    let legend = |chart: &Chart, columns| plot::legend(&chart.series, columns, SIZE[0]);
+    Sheet::grid(&[vec![times.draw(), shares.draw()], vec![legend(&times, 2), legend(&shares, 3)]], PAPER)
 }

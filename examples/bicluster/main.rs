@@ -16,19 +16,18 @@ mod transfer;
 use std::process::ExitCode;
 
 use args::Args;
-use clap::Parser;
 use measure::Measured;
 use serde_json::json;
 use support::{Failure, table};
 
 fn main() -> ExitCode {
-    support::exit(run(&Args::parse()))
+    support::exit(run(&Args::new()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    support::make_folder(&args.out)?;
-    support::limit_threads(args.threads)?;
+    args.common.start()?;
+    args.folder.make()?;
     let (name, meshes) = meshes::meshes(args)?;
     let all: Vec<Measured> = meshes.iter().map(|mesh| Measured::new(mesh, args)).collect::<Result<_, _>>()?;
     let rows: Vec<Vec<String>> = all.iter().map(Measured::cells).collect();
@@ -42,19 +41,9 @@ fn run(args: &Args) -> Result<(), Failure> {
     let pictures =
         [("bicluster_matrix.png", figures::matrix(last)), ("bicluster_scaling.png", figures::scaling(&all, &name))];
     for (file, sheet) in &pictures {
-        support::save(&args.out, file, sheet)?;
+        args.folder.save(file, sheet)?;
     }
-    println!("pictures: bicluster_matrix.png, bicluster_scaling.png in {}", args.out.display());
-    if let Some(path) = &args.report {
-        let report = json!({
-            "example": "bicluster",
-            "version": env!("CARGO_PKG_VERSION"),
-            "threads": rayon::current_num_threads(),
-            "scene": name,
-            "group_rows": args.group_rows,
-            "results": all.iter().map(Measured::report).collect::<Vec<_>>(),
-        });
-        support::write_report(path, &report)?;
-    }
-    Ok(())
+    println!("pictures: bicluster_matrix.png, bicluster_scaling.png in {}", args.folder.path.display());
+    let settings = json!({ "scene": name, "group_rows": args.group_rows });
+    support::write_report(&args.common, "bicluster", settings, all.iter().map(Measured::report).collect())
 }

@@ -1,7 +1,5 @@
 //! Biclustering of one mesh's transfer matrix: what it saves, how long it takes.
 
-use std::time::Instant;
-
 use haarmonic::compress::{BiclusterSettings, Biclustering, Seeds, SparseMatrix};
 use haarmonic::scene::Mesh;
 use serde_json::{Value, json};
@@ -9,6 +7,7 @@ use serde_json::{Value, json};
 use crate::args::Args;
 use crate::support::Failure;
 use crate::support::progress::Bar;
+use crate::support::timer::Timer;
 use crate::transfer::transfer_matrix;
 
 /// Right-hand sides of the timed products: RGB.
@@ -45,10 +44,8 @@ impl Measured {
 
     pub fn new(mesh: &Mesh, args: &Args) -> Result<Self, Failure> {
         let bar = Bar::new("visibility");
-        let started = Instant::now();
         let matrix = transfer_matrix(mesh, &bar)?;
-        bar.finish();
-        let build_seconds = started.elapsed().as_secs_f64();
+        let build_seconds = bar.finish();
         let seeds = args.seed.map_or(Seeds::First, Seeds::Random);
         let settings = BiclusterSettings::default().with_group_rows(args.group_rows).with_seeds(seeds);
         let bar = Bar::new("biclusters");
@@ -119,20 +116,12 @@ fn products(matrix: &SparseMatrix, biclusters: &Biclustering) -> ([f64; 2], f64)
     let multiplier = biclusters.multiplier::<f32>();
     let mut scratch = vec![0.0; multiplier.scratch_len(SIDES)];
     let mut out = [vec![0.0f32; matrix.rows() * SIDES], vec![0.0f32; matrix.rows() * SIDES]];
-    let mut times = [Vec::new(), Vec::new()];
+    let [mut plain, mut biclustered] = [Timer::default(), Timer::default()];
     for _ in 0..ROUNDS {
-        let started = Instant::now();
-        matrix.multiply(&x, SIDES, &mut out[0]);
-        times[0].push(started.elapsed().as_secs_f64() * 1e3);
-        let started = Instant::now();
-        multiplier.multiply_with_scratch(&x, SIDES, &mut out[1], &mut scratch);
-        times[1].push(started.elapsed().as_secs_f64() * 1e3);
+        plain.time(|| matrix.multiply(&x, SIDES, &mut out[0]));
+        biclustered.time(|| multiplier.multiply_with_scratch(&x, SIDES, &mut out[1], &mut scratch));
     }
-    let median = |mut t: Vec<f64>| {
-        t.sort_by(f64::total_cmp);
-        t[ROUNDS / 2]
-    };
     let largest = out[0].iter().fold(0.0f32, |m, x| m.max(x.abs()));
     let difference = out[0].iter().zip(&out[1]).fold(0.0f32, |m, (a, b)| m.max((a - b).abs()));
-    (times.map(median), f64::from(difference / largest.max(f32::MIN_POSITIVE)))
+    ([plain, biclustered].map(|timer| timer.median()), f64::from(difference / largest.max(f32::MIN_POSITIVE)))
 }

@@ -8,12 +8,15 @@ use crate::maps::Maps;
 use crate::measure::{CLUSTERS, Figures, Measured};
 use crate::stored::Format;
 use crate::support::Failure;
-use crate::support::plot::{self, Axis, COLOURS, Chart, Legend, Scale, Series};
-use crate::support::sheet::{Panel, Sheet, heat};
+use crate::support::axis::{Axis, Scale, number};
+use crate::support::plot::{self, Chart, LOOKS, Look, Series};
+use crate::support::sheet::{BRIGHT, ColourBar, DARK, PAPER, Panel, Sheet, heat};
+use crate::support::text::Type;
 
 /// Pixels of a texel.
 const PIXELS: usize = 4;
-const BACK: [u8; 3] = [24, 25, 28];
+/// Difference of maps that is drawn in white.
+const WHITE: f32 = 0.5;
 /// Where a vertex stands among all by the error of its map.
 const SHARES: [f64; 4] = [0.25, 0.5, 0.75, 0.95];
 
@@ -35,15 +38,22 @@ pub fn maps(maps: &Maps, [whole, clustered]: [&Measured; 2]) -> Result<Sheet, Fa
             let ratio = format!("ratio {:.0}", measured.formats[0].ratio);
             panels.push(cross(maps.grid, [measured.name(), ratio], |i| grey(left[i])));
             let off = format!("error {:.1} %", 100.0 * error(way, vertex));
-            let caption = [off, "difference, white = 0.5".to_owned()];
-            panels.push(cross(maps.grid, caption, |i| heat(2.0 * (left[i] - original[i]).abs())));
+            let caption = [off, "difference".to_owned()];
+            panels.push(cross(maps.grid, caption, |i| heat((left[i] - original[i]).abs() / WHITE)));
         }
         rows.push(panels);
     }
-    Ok(Sheet::new(
-        "Visibility x cosine on a cube, unfolded: +y on top, then -x +z +x -z, -y below; what is negative is black",
+    let sheet = Sheet::new(
+        "Visibility × cosine on a cube, unfolded: +y on top, then −x +z +x −z, −y below; what is negative is black",
         &rows,
-    ))
+    );
+    let ticks = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5].map(|x: f32| {
+        let more = if x < WHITE { "" } else { "≥ " };
+        (x / WHITE, more.to_owned() + &number(f64::from(x)))
+    });
+    let bar = ColourBar { label: "|difference| of visibility × cosine", ticks: &ticks, colour: &heat };
+    let bar = bar.draw([sheet.width / 2, 150], Type::new(20.0), [BRIGHT, DARK]);
+    Ok(Sheet::grid(&[vec![sheet], vec![bar]], DARK))
 }
 
 fn grey(x: f32) -> [u8; 3] {
@@ -62,7 +72,7 @@ fn cross(grid: CubeGrid, caption: [String; 2], colour: impl Fn(usize) -> [u8; 3]
     ];
     let side = grid.side();
     let [width, height] = [4, 3].map(|faces| faces * side * PIXELS);
-    let mut pixels = vec![BACK; width * height];
+    let mut pixels = vec![DARK; width * height];
     for (face, [column, row]) in PLACES {
         for (y, x) in (0..side).flat_map(|y| (0..side).map(move |x| (y, x))) {
             let colour = colour(grid.index(face, x, y));
@@ -77,43 +87,40 @@ fn cross(grid: CubeGrid, caption: [String; 2], colour: impl Fn(usize) -> [u8; 3]
 
 /// Errors of maps and of relit values against storage, and against what a row costs under a new light.
 pub fn errors(all: &[Measured]) -> Sheet {
-    let lines = |point: &dyn Fn(&Measured, &Figures) -> [f64; 2], formats: &[(usize, bool)]| {
+    let lines = |point: &dyn Fn(&Measured, &Figures) -> [f64; 2], formats: &[(usize, [i32; 2])]| {
         let mut series = Vec::new();
-        for (colour, clusters) in [1].into_iter().chain(CLUSTERS).enumerate() {
-            for &(format, dashed) in formats {
+        for &(format, dashes) in formats {
+            for (k, clusters) in [1].into_iter().chain(CLUSTERS).enumerate() {
                 let points = all.iter().filter(|m| m.clusters == clusters).map(|m| point(m, &m.formats[format]));
                 let name = if clusters == 1 { "PCA".to_owned() } else { format!("{clusters} clusters") };
-                let label = format!("{name}, {}", Format::ALL[format].name());
-                series.push(Series { dashed, ..Series::dotted(&label, COLOURS[colour], points.collect()) });
+                let line = Series::new(&format!("{name}, {}", Format::ALL[format].name()), k, points.collect());
+                series.push(Series { look: Look { dashes, ..LOOKS[k].wider(if k == 0 { 2.0 } else { 0.0 }) }, ..line });
             }
         }
         series
     };
-    let both = [(0, false), (2, true)];
+    let both = [(0, [0, 0]), (2, [7, 7])];
     let largest = |of: &dyn Fn(&Figures) -> f64| all.iter().flat_map(|m| &m.formats).map(of).fold(0.01, f64::max);
-    // Room above for the legend.
-    let percent = |label: &str, largest: f64| Axis::between(label, Scale::Linear, 0.0, 140.0 * largest);
+    let percent = |label: &str, largest: f64| Axis::between(label, Scale::Linear, 0.0, 106.0 * largest);
     let maps = Chart {
         title: "Maps".to_owned(),
         x: Axis::new("ratio: bytes of the maps in f32 / bytes stored", Scale::Log10),
-        y: percent("relative error of the maps, %", largest(&|f| f.error)),
+        y: percent("relative L² error of the maps, %", largest(&|f| f.error)),
         series: lines(&|_, f| [f.ratio, 100.0 * f.error], &both),
-        legend: Legend::TopLeft,
-        caption: Vec::new(),
-        size: [500, 420],
+        size: [760, 600],
     };
     let relit = Chart {
         title: "Relit values".to_owned(),
-        y: percent("relative error of the relit values, %", largest(&|f| f.relit)),
+        y: percent("relative L² error of the relit values, %", largest(&|f| f.relit)),
         series: lines(&|_, f| [f.ratio, 100.0 * f.relit], &both),
         ..maps.clone()
     };
     let cost = Chart {
         title: "Maps, by the work for a row under a new light".to_owned(),
-        x: Axis::new("weights a row", Scale::Log2),
+        x: Axis::new("weights of a row", Scale::Log2),
         series: lines(&|m, f| [m.stored.components() as f64, 100.0 * f.error], &both[..1]),
-        legend: Legend::TopRight,
         ..maps.clone()
     };
-    plot::grid(&[vec![maps.draw(), relit.draw(), cost.draw()]])
+    let legend = plot::legend(&maps.series, 2, 760);
+    Sheet::grid(&[vec![maps.draw(), relit.draw()], vec![cost.draw(), legend]], PAPER)
 }

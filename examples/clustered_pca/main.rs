@@ -16,7 +16,6 @@ mod support;
 use std::process::ExitCode;
 
 use args::Args;
-use clap::Parser;
 use maps::Maps;
 use measure::Measured;
 use serde_json::json;
@@ -26,13 +25,13 @@ use support::{Failure, table};
 const SHOWN: usize = 32;
 
 fn main() -> ExitCode {
-    support::exit(run(&Args::parse()))
+    support::exit(run(&Args::new()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    support::make_folder(&args.out)?;
-    support::limit_threads(args.threads)?;
+    args.common.start()?;
+    args.folder.make()?;
     let maps = Maps::new(args)?;
     let all = measure::all(&maps, args.seed)?;
     let (vertices, columns) = (maps.vertices(), maps.columns());
@@ -51,23 +50,16 @@ fn run(args: &Args) -> Result<(), Failure> {
         pictures.push(("clustered_pca_maps.png", figures::maps(&maps, [whole, best])?));
     }
     for (file, sheet) in &pictures {
-        support::save(&args.out, file, sheet)?;
+        args.folder.save(file, sheet)?;
     }
     let names: Vec<&str> = pictures.iter().map(|p| p.0).collect();
-    println!("pictures: {} in {}", names.join(", "), args.out.display());
-    if let Some(path) = &args.report {
-        let report = json!({
-            "example": "clustered_pca",
-            "version": env!("CARGO_PKG_VERSION"),
-            "threads": rayon::current_num_threads(),
-            "scene": maps.name,
-            "light": maps.light_name,
-            "vertices": vertices,
-            "texels": columns,
-            "seed": args.seed,
-            "results": all.iter().flat_map(Measured::report).collect::<Vec<_>>(),
-        });
-        support::write_report(path, &report)?;
-    }
-    Ok(())
+    println!("pictures: {} in {}", names.join(", "), args.folder.path.display());
+    let settings = json!({
+        "scene": maps.name,
+        "light": maps.light_name,
+        "vertices": vertices,
+        "texels": columns,
+        "seed": args.seed,
+    });
+    support::write_report(&args.common, "clustered_pca", settings, all.iter().flat_map(Measured::report).collect())
 }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::args::Args;
 use crate::support::Failure;
-use crate::support::environment::{environment, file_name, warn};
+use crate::support::environment::{file_name, warn};
 use crate::support::progress::Bar;
 
 /// Side of the faces of the maps: 6 × 16 × 16 texels.
@@ -45,7 +45,7 @@ impl Maps {
         let bar = Bar::new("visibility");
         let matrix = bake(&mesh, grid, &bar)?;
         bar.finish();
-        let (light_name, light) = environment(&args.env)?;
+        let (light_name, light) = args.light.load()?;
         let angles = grid.face_solid_angles();
         let light = light.to_cube(grid);
         let light = light.texels().iter().enumerate().map(|(i, l)| l.cast::<f64>() * angles[i % grid.face_len()]);

@@ -1,7 +1,5 @@
 //! Every way of storing the maps, and what each costs and loses.
 
-use std::time::Instant;
-
 use haarmonic::Progress;
 use haarmonic::compress::{ClusteredPcaSettings, Distortion};
 use haarmonic::nalgebra::Vector3;
@@ -12,6 +10,7 @@ use crate::maps::Maps;
 use crate::stored::{Format, Stored, components_of_equal_size};
 use crate::support::Failure;
 use crate::support::progress::Bar;
+use crate::support::timer::seconds;
 
 /// Components of the whole matrix that are tried.
 pub const WHOLE: [usize; 5] = [8, 16, 32, 64, 128];
@@ -60,15 +59,15 @@ impl Measured {
     ];
 
     fn new(maps: &Maps, truth: &[Vector3<f64>], [whole, clusters, k]: [usize; 3], seed: u64) -> Result<Self, Failure> {
-        let started = Instant::now();
-        let (stored, coded) = if clusters == 1 {
-            (Stored::pca(&maps.matrix, maps.columns(), k, seed)?, None)
-        } else {
+        let (coded, seconds) = seconds(|| -> haarmonic::Result<_> {
+            if clusters == 1 {
+                return Ok((Stored::pca(&maps.matrix, maps.columns(), k, seed)?, None));
+            }
             let settings = ClusteredPcaSettings::new(clusters, k).with_seed(seed);
             let (stored, coded) = Stored::clustered(&maps.matrix, maps.columns(), &settings)?;
-            (stored, Some(coded))
-        };
-        let seconds = started.elapsed().as_secs_f64();
+            Ok((stored, Some(coded)))
+        });
+        let (stored, coded) = coded?;
         let mut difference = None;
         let mut formats = Vec::new();
         for format in Format::ALL {

@@ -1,8 +1,9 @@
 //! The command line.
 
-use std::path::PathBuf;
-
 use clap::Parser;
+
+use crate::support::args::{Common, Folder, parse};
+use crate::support::environment::Light;
 
 /// Spherical harmonics in pictures: the basis, and what it makes of an environment light.
 ///
@@ -10,9 +11,8 @@ use clap::Parser;
 #[derive(Debug, Parser)]
 #[command(version, name = "harmonics")]
 pub struct Args {
-    /// The light: sky, sunset, studio, or a lat-long file (HDR, EXR, PNG)
-    #[arg(long, value_name = "NAME|FILE", default_value = "studio")]
-    pub env: String,
+    #[command(flatten)]
+    pub light: Light,
 
     /// Texels along a side of the cube map that is projected
     #[arg(long, value_name = "N", default_value_t = 64)]
@@ -22,20 +22,19 @@ pub struct Args {
     #[arg(long, value_name = "N,N,...", default_value = "2,3,5,9,17", value_delimiter = ',')]
     pub bands: Vec<usize>,
 
-    /// Folder of the pictures
-    #[arg(long, value_name = "DIR", default_value = "out/harmonics")]
-    pub out: PathBuf,
+    #[command(flatten)]
+    pub folder: Folder,
 
-    /// Also write the figures as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
-
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "T")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 impl Args {
+    /// The command line, with the defaults of this example.
+    pub fn new() -> Self {
+        parse(&[("out", "out/harmonics"), ("env", "studio")])
+    }
+
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
         if !(8..=512).contains(&self.resolution) {
@@ -46,9 +45,6 @@ impl Args {
         }
         if self.bands.len() > 8 {
             return Err(format!("--bands takes at most 8 sizes, got {}", self.bands.len()));
-        }
-        if self.threads == Some(0) {
-            return Err("--threads must be at least 1".to_owned());
         }
         Ok(())
     }

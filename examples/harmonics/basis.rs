@@ -4,7 +4,7 @@ use haarmonic::nalgebra::{Rotation3, Vector3};
 use haarmonic::sh::{Basis, index};
 
 use crate::support::Failure;
-use crate::support::sheet::{Panel, Sheet};
+use crate::support::sheet::{DARK, Panel, Sheet};
 
 const BANDS: usize = 5;
 const SIZE: usize = 96;
@@ -23,7 +23,7 @@ pub fn draw() -> Result<Sheet, Failure> {
         };
         rows.push((0..2 * BANDS as isize - 1).map(cell).collect());
     }
-    Ok(Sheet::new("Real spherical harmonics y(l, m): orange +, blue -; +z up", &rows))
+    Ok(Sheet::new("Real spherical harmonics y(l, m): orange positive, blue negative; +z up", &rows))
 }
 
 fn ball(basis: &Basis<f64>, turn: &Rotation3<f64>, l: usize, m: isize) -> Panel {
@@ -33,14 +33,14 @@ fn ball(basis: &Basis<f64>, turn: &Rotation3<f64>, l: usize, m: isize) -> Panel 
         let (right, up) = (at(i % SIZE), -at(i / SIZE));
         let near = 1.0 - right * right - up * up;
         if near < 0.0 {
-            return [24, 25, 28];
+            return DARK;
         }
         let seen = Vector3::new(near.sqrt(), right, up);
         basis.eval(&turn.inverse_transform_vector(&seen), &mut y);
         shade(y[index(l, m)] / FULL, 0.55 + 0.45 * near.sqrt())
     });
     let pixels = pixels.collect();
-    Panel { caption: vec![format!("{l}, {m}")], width: SIZE, height: SIZE, pixels }
+    Panel { caption: vec![format!("{l}, {m}").replace('-', "−")], width: SIZE, height: SIZE, pixels }
 }
 
 /// From grey at 0 to a hue at ±1.

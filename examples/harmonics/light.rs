@@ -159,7 +159,7 @@ impl Study {
             for t in row {
                 let plan = LatLongReconstruction::new(grid, t.bands, TexelRule::Centre)?;
                 let map = plan.reconstruct::<Rgb, 3>(slices(&t.coefficients));
-                let figures = format!("error {:.3}, least {:+.2}", t.light_error, t.least);
+                let figures = format!("error {:.3}, least {:+.2}", t.light_error, t.least).replace('-', "−");
                 panels.push(panel(vec![format!("{} bands, {}", t.bands, t.name), figures], &|i| map.pixels()[i]));
             }
             rows.push(panels);

@@ -9,8 +9,8 @@ use haarmonic::io::{MeshOptions, Up, Winding};
 use haarmonic::nalgebra::Vector3;
 
 use crate::methods::{Method, Methods, REFERENCE};
-use crate::support::check_format;
-use crate::support::environment::Layout;
+use crate::support::args::{Common, check_format};
+use crate::support::environment::Light;
 
 /// A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
 ///
@@ -43,13 +43,8 @@ pub struct Args {
     #[arg(long, conflicts_with_all = ["mesh", "scene", "method", "brdf"])]
     pub paper: bool,
 
-    /// Environment: a file (HDR, EXR, PNG; see --env-layout), or the built-in `sky`, `sunset` or `studio`
-    #[arg(long, value_name = "FILE|NAME", default_value = "sky")]
-    pub env: String,
-
-    /// How directions lie in the picture of --env
-    #[arg(long, value_enum, default_value = "auto")]
-    pub env_layout: Layout,
+    #[command(flatten)]
+    pub light: Light,
 
     /// Turn of the environment about +y, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
@@ -115,19 +110,14 @@ pub struct Args {
     #[arg(long, value_name = "P.ply")]
     pub out_ply: Option<PathBuf>,
 
-    /// Also write the figures as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
-
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "N")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 impl Args {
     /// Makes the folders of the files to write, before any long work.
     pub fn make_folders(&self) -> Result<(), String> {
-        let files = [Some(&self.out), self.exr.as_ref(), self.out_ply.as_ref(), self.report.as_ref()];
+        let files = [Some(&self.out), self.exr.as_ref(), self.out_ply.as_ref(), self.common.report.as_ref()];
         for folder in files.into_iter().flatten().filter_map(|f| f.parent()).filter(|f| !f.as_os_str().is_empty()) {
             std::fs::create_dir_all(folder).map_err(|e| format!("{}: cannot be made: {e}", folder.display()))?;
         }
@@ -155,9 +145,6 @@ impl Args {
         }
         for method in self.methods.all().into_iter().filter(|method| self.wants(*method)) {
             method.check(self)?;
-        }
-        if self.threads == Some(0) {
-            return Err("--threads must be at least 1".to_owned());
         }
         if !self.rotate_env.is_finite() || self.exposure.is_some_and(|e| !e.is_finite()) {
             return Err("--rotate-env and --exposure must be finite numbers".to_owned());

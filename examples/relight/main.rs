@@ -26,8 +26,8 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
+    args.common.start()?;
     args.make_folders()?;
-    support::limit_threads(args.threads)?;
     let scene = Scene::new(args)?;
     println!(
         "{}: {} vertices, {} faces; {}; light {}; {}² × 6 texels; {} threads",

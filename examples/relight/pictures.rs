@@ -8,7 +8,9 @@ use crate::args::Args;
 use crate::methods::{Outcome, REFERENCE, Run};
 use crate::scene::Scene;
 use crate::support::Failure;
-use crate::support::sheet::{Panel, Sheet, heat};
+use crate::support::axis::number;
+use crate::support::sheet::{BRIGHT, ColourBar, DARK, Panel, Sheet, heat};
+use crate::support::text::Type;
 
 /// Relative error that the maps show in white.
 const WHITE: f32 = 0.25;
@@ -27,20 +29,16 @@ pub fn contact_sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Fai
         Some(Panel { caption, width: args.size, height: args.size, pixels })
     };
     let side = args.truth_resolution.unwrap_or(args.resolution);
-    let mut pictures =
-        vec![panel(vec![format!("ground truth, {side}x{side}x6 texels"), scene.brdf.clone()], shown(&truth))];
-    let mut maps = vec![panel(
-        vec![
-            "error maps: |difference| / mean of the truth,".to_owned(),
-            format!("black 0, red, yellow, white >= {WHITE}"),
-        ],
-        legend(args.size),
+    let mut pictures = vec![panel(
+        vec![format!("ground truth, {side} × {side} × 6 texels"), format!("reflectance: {}", scene.brdf)],
+        shown(&truth),
     )];
+    let mut maps = vec![panel(vec!["scale of the error maps".to_owned()], legend(args.size))];
     for outcome in run.results.iter().filter(|o| o.method != REFERENCE || o.comparison.rel_l2 > 0.0) {
         pictures.push(panel(caption(outcome), shown(&outcome.radiance)));
         let errors = relative_errors(&truth, &outcome.radiance);
         let map = plan.shade(&errors, |_| Vector3::zeros());
-        let figures = format!("rel L2 {:.2e}, max {:.2e}", outcome.comparison.rel_l2, outcome.comparison.max_abs);
+        let figures = format!("rel. L² {:.2e}, max {:.2e}", outcome.comparison.rel_l2, outcome.comparison.max_abs);
         maps.push(panel(
             vec![format!("error of {}", outcome.method), figures],
             map.iter().map(|e| heat(e.x / WHITE)).collect(),
@@ -76,7 +74,11 @@ fn caption(outcome: &Outcome) -> Vec<String> {
         db if db.is_finite() => format!("PSNR {db:.1} dB"),
         _ => "exact".to_owned(),
     };
-    vec![format!("{}: {quality}, {:.1} ms a frame", outcome.method, outcome.relight_ms), outcome.caption.clone()]
+    vec![
+        format!("{}: {quality}", outcome.method),
+        format!("{:.1} ms a frame", outcome.relight_ms),
+        outcome.caption.clone(),
+    ]
 }
 
 /// The 98th percentile of the radiance: what shall be white.
@@ -96,11 +98,10 @@ fn relative_errors(truth: &[Vector3<f32>], radiance: &[Vector3<f32>]) -> Vec<Vec
 
 /// The scale of the error maps as a bar across an empty panel.
 fn legend(size: usize) -> Vec<[u8; 3]> {
-    let (top, bottom) = (size * 45 / 100, size * 55 / 100);
-    let pixel = |i: usize| {
-        let (x, y) = (i % size, i / size);
-        let t = (x as f32 / size as f32 - 0.1) / 0.8;
-        if (top..bottom).contains(&y) && (0.0..=1.0).contains(&t) { heat(t) } else { [12, 12, 14] }
-    };
-    (0..size * size).map(pixel).collect()
+    let ticks = [0.0, 0.05, 0.1, 0.15, 0.2, 0.25].map(|x: f32| {
+        let more = if x < WHITE { "" } else { "≥ " };
+        (x / WHITE, more.to_owned() + &number(f64::from(x)))
+    });
+    let bar = ColourBar { label: "|difference| of a vertex / mean of the ground truth", ticks: &ticks, colour: &heat };
+    bar.draw([size; 2], Type::new((size as f32 / 22.0).clamp(8.0, 19.0)), [BRIGHT, DARK]).pixels
 }

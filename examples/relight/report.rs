@@ -42,7 +42,6 @@ fn psnr(db: f64) -> Option<f64> {
 
 /// Writes the report if one was asked for.
 pub fn save(args: &Args, scene: &Scene, run: &Run) -> Result<(), Failure> {
-    let Some(path) = &args.report else { return Ok(()) };
     let threads = rayon::current_num_threads();
     let result = |o: &Outcome| {
         let mut keys = Map::new();
@@ -68,10 +67,7 @@ pub fn save(args: &Args, scene: &Scene, run: &Run) -> Result<(), Failure> {
         Value::Object(keys)
     };
     let eye = scene.camera.eye();
-    let report = json!({
-        "example": "relight",
-        "version": env!("CARGO_PKG_VERSION"),
-        "threads": threads,
+    let settings = json!({
         "scene": scene.name,
         "environment": scene.light_name,
         "rotate_env": args.rotate_env,
@@ -82,7 +78,6 @@ pub fn save(args: &Args, scene: &Scene, run: &Run) -> Result<(), Failure> {
         "weighting": format!("{:?}", args.weighting).to_lowercase(),
         "frames": args.frames(),
         "visibility_s": run.visibility_s,
-        "results": run.results.iter().map(result).collect::<Vec<_>>(),
     });
-    write_report(path, &report)
+    write_report(&args.common, "relight", settings, run.results.iter().map(result).collect())
 }

@@ -8,7 +8,7 @@ use haarmonic::scene::{Brdf, BrdfSpec, Camera, EnvironmentLight, Lambert, Materi
 
 use crate::args::{Args, BuiltIn};
 use crate::support::Failure;
-use crate::support::environment::{environment_with, file_name, warn};
+use crate::support::environment::{file_name, warn};
 
 /// The scene as the command line describes it.
 pub struct Scene {
@@ -63,7 +63,7 @@ impl Scene {
             None => "built-in",
         });
         let brdf = brdf.to_owned();
-        let (light_name, light) = environment_with(&args.env, args.env_layout)?;
+        let (light_name, light) = args.light.load()?;
         let light = light.with_rotation(turn(args.rotate_env));
         Ok(Self { name, mesh, materials, brdf, camera, light_name, light })
     }

@@ -1,8 +1,8 @@
 //! The command line.
 
-use std::path::PathBuf;
-
 use clap::Parser;
+
+use crate::support::args::{Common, Folder, parse};
 
 /// Exponentials of spherical harmonic expansions: error and time of every method, on unions of discs.
 ///
@@ -10,10 +10,6 @@ use clap::Parser;
 #[derive(Debug, Parser)]
 #[command(version, name = "sh_exp")]
 pub struct Args {
-    /// Folder of the pictures
-    #[arg(long, value_name = "DIR", default_value = "out/sh_exp")]
-    pub out: PathBuf,
-
     /// Number of unions
     #[arg(long, value_name = "K", default_value_t = 512)]
     pub vectors: usize,
@@ -22,16 +18,19 @@ pub struct Args {
     #[arg(long, value_name = "RAD", default_value_t = 0.75)]
     pub largest: f64,
 
-    /// Also write the figures as JSON
-    #[arg(long, value_name = "R.json")]
-    pub report: Option<PathBuf>,
+    #[command(flatten)]
+    pub folder: Folder,
 
-    /// Threads (default: all cores)
-    #[arg(long, value_name = "T")]
-    pub threads: Option<usize>,
+    #[command(flatten)]
+    pub common: Common,
 }
 
 impl Args {
+    /// The command line, with the defaults of this example.
+    pub fn new() -> Self {
+        parse(&[("out", "out/sh_exp")])
+    }
+
     /// What the types of the options do not say.
     pub fn check(&self) -> Result<(), String> {
         if !(8..=100_000).contains(&self.vectors) {
@@ -39,9 +38,6 @@ impl Args {
         }
         if !(self.largest > 0.2 && self.largest <= 1.5) {
             return Err(format!("--largest must be above 0.2 and at most 1.5, got {}", self.largest));
-        }
-        if self.threads == Some(0) {
-            return Err("--threads must be at least 1".to_owned());
         }
         Ok(())
     }

@@ -16,7 +16,6 @@ mod trips;
 use std::process::ExitCode;
 
 use args::Args;
-use clap::Parser;
 use measure::Measured;
 use scenes::Scenes;
 use serde_json::json;
@@ -24,13 +23,13 @@ use support::Failure;
 use support::progress::Bar;
 
 fn main() -> ExitCode {
-    support::exit(run(&Args::parse()))
+    support::exit(run(&Args::new()))
 }
 
 fn run(args: &Args) -> Result<(), Failure> {
     args.check()?;
-    support::make_folder(&args.out)?;
-    support::limit_threads(args.threads)?;
+    args.common.start()?;
+    args.folder.make()?;
     let bar = Bar::new("project visibility");
     let scenes = Scenes::new(args.vectors, args.largest, *scenes::BANDS.end(), &bar)?;
     bar.finish();
@@ -47,8 +46,8 @@ fn run(args: &Args) -> Result<(), Failure> {
         println!("{} bands: mean relative L2 error against the projected visibility, by |f^|\n", measured.bands);
         println!("{}", measured.table());
     }
-    support::save(&args.out, "sh_exp_error.png", &charts::errors(&measured))?;
-    support::save(&args.out, "sh_exp_time.png", &charts::times(&measured))?;
+    args.folder.save("sh_exp_error.png", &charts::errors(&measured))?;
+    args.folder.save("sh_exp_time.png", &charts::times(&measured))?;
 
     let trips = trips::measure(&scenes)?;
     println!(
@@ -56,18 +55,12 @@ fn run(args: &Args) -> Result<(), Failure> {
         trips.table()
     );
 
-    if let Some(path) = &args.report {
-        let report = json!({
-            "example": "sh_exp",
-            "version": env!("CARGO_PKG_VERSION"),
-            "threads": rayon::current_num_threads(),
-            "vectors": args.vectors,
-            "half_angles": [scenes::SMALLEST, args.largest],
-            "results": measured.iter().flat_map(Measured::report).collect::<Vec<_>>(),
-            "round_trips": trips.report(),
-        });
-        support::write_report(path, &report)?;
-    }
-    println!("pictures: sh_exp_error.png, sh_exp_time.png in {}", args.out.display());
+    let settings = json!({
+        "vectors": args.vectors,
+        "half_angles": [scenes::SMALLEST, args.largest],
+        "round_trips": trips.report(),
+    });
+    support::write_report(&args.common, "sh_exp", settings, measured.iter().flat_map(Measured::report).collect())?;
+    println!("pictures: sh_exp_error.png, sh_exp_time.png in {}", args.folder.path.display());
     Ok(())
 }

@@ -42,25 +42,34 @@ impl From<Layout> for EnvironmentLayout {
     }
 }
 
-/// A name to show, and the light: "sky", "sunset", "studio" or a file.
-pub fn environment(name: &str) -> Result<(String, EnvironmentLight), Failure> {
-    environment_with(name, Layout::Auto)
+/// The light of an example.
+#[derive(Debug, clap::Args)]
+pub struct Light {
+    /// Environment: a file (HDR, EXR, PNG; see --env-layout), or the built-in `sky`, `sunset` or `studio`
+    #[arg(long, value_name = "FILE|NAME", default_value = "sky")]
+    pub env: String,
+
+    /// How directions lie in the picture of --env
+    #[arg(long, value_enum, default_value = "auto")]
+    pub env_layout: Layout,
 }
 
-/// The same, the picture of a file having a given layout.
-pub fn environment_with(name: &str, layout: Layout) -> Result<(String, EnvironmentLight), Failure> {
-    let sky = match name {
-        "sky" => Some(Sky::default()),
-        "sunset" => Some(Sky::sunset()),
-        "studio" => Some(Sky::studio()),
-        _ => None,
-    };
-    match sky {
-        Some(sky) => Ok((name.to_owned(), EnvironmentLight::from_sky(sky)?)),
-        None => {
-            let loaded = io::load_environment_with(name, layout.into())?;
-            loaded.warnings.iter().for_each(warn);
-            Ok((file_name(Path::new(name)), loaded.value))
+impl Light {
+    /// A name to show, and the light.
+    pub fn load(&self) -> Result<(String, EnvironmentLight), Failure> {
+        let sky = match self.env.as_str() {
+            "sky" => Some(Sky::default()),
+            "sunset" => Some(Sky::sunset()),
+            "studio" => Some(Sky::studio()),
+            _ => None,
+        };
+        match sky {
+            Some(sky) => Ok((self.env.clone(), EnvironmentLight::from_sky(sky)?)),
+            None => {
+                let loaded = io::load_environment_with(&self.env, self.env_layout.into())?;
+                loaded.warnings.iter().for_each(warn);
+                Ok((file_name(Path::new(&self.env)), loaded.value))
+            }
         }
     }
 }

@@ -1,105 +1,101 @@
-//! Line charts: series, linear or logarithmic axes, legend, caption.
-//!
-//! Lines are drawn three times as large and averaged down, text afterwards at its own size.
+//! Charts by plotters, all in one look: series that differ in colour, marker and dashes, numbers on every axis, legends that
+//! are pictures of their own and so cover nothing.
 
-use embedded_graphics::mono_font::iso_8859_1::{FONT_6X13, FONT_7X13_BOLD};
-use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
-use embedded_graphics::pixelcolor::Rgb888;
-use embedded_graphics::prelude::*;
-use embedded_graphics::primitives::{Circle, Line, Polyline, PrimitiveStyle, Rectangle};
-use embedded_graphics::text::{Alignment, Baseline, Text, TextStyleBuilder};
+use plotters::coord::Shift;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
 
-use super::sheet::Sheet;
+use super::axis::{Axis, Ruler, number};
+use super::canvas::{Canvas, FINE, shrink};
+use super::notes;
+use super::sheet::{Align, INK, PAPER, Sheet};
+use super::text::Type;
 
-/// Subpixels along a side.
-const FINE: i32 = 3;
-const LINE: i32 = 15;
-const PAPER: [u8; 3] = [255, 255, 255];
-const INK: [u8; 3] = [40, 42, 48];
-const GRID: [u8; 3] = [226, 228, 232];
+const TEXT: f32 = 20.0;
+const TITLE: f32 = 23.0;
+const MESH: RGBColor = RGBColor(206, 209, 216);
+const FAINT: RGBColor = RGBColor(236, 238, 242);
 
-/// Colours that are told apart by most eyes and in print [Okabe and Ito], the first ones first.
-pub const COLOURS: [[u8; 3]; 7] =
-    [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0], [110, 110, 110]];
+type Area<'a> = DrawingArea<Canvas<'a>, Shift>;
+type Plane = Cartesian2d<Ruler, Ruler>;
 
-/// How an axis is divided.
+/// What stands at the points of a series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    None,
+    Disc,
+    Square,
+    Up,
+    Diamond,
+    Down,
+    Ring,
+    Cross,
+}
+
+/// How a series is drawn: colour, marker, width of the line, lengths of dashes and gaps (no gaps: a full line), in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Scale {
-    /// Equal steps.
-    Linear,
-    /// Decades. Values that are not positive are left out.
-    Log10,
-    /// Octaves. Values that are not positive are left out.
-    Log2,
+pub struct Look {
+    pub colour: [u8; 3],
+    pub marker: Marker,
+    /// Half the size of the marker.
+    pub radius: f64,
+    pub width: f64,
+    pub dashes: [i32; 2],
 }
 
-/// One axis.
-#[derive(Debug, Clone)]
-pub struct Axis {
-    /// What it shows, with its unit.
-    pub label: String,
-    /// How it is divided.
-    pub scale: Scale,
-    /// From where to where; `None` for what the series need.
-    pub range: Option<[f64; 2]>,
+const fn look(colour: [u8; 3], marker: Marker, dashes: [i32; 2]) -> Look {
+    Look { colour, marker, radius: 6.5, width: 2.6, dashes }
 }
 
-impl Axis {
-    /// An axis that fits its series.
-    pub fn new(label: &str, scale: Scale) -> Self {
-        Self { label: label.to_owned(), scale, range: None }
-    }
+/// The looks of all charts: colours that are told apart by most eyes [Okabe and Ito], each with a marker and dashes of its own.
+pub const LOOKS: [Look; 7] = [
+    look([0, 114, 178], Marker::Disc, [0, 0]),
+    look([213, 94, 0], Marker::Square, [14, 7]),
+    look([0, 158, 115], Marker::Up, [5, 5]),
+    look([204, 121, 167], Marker::Diamond, [22, 8]),
+    look([86, 180, 233], Marker::Down, [9, 9]),
+    look([230, 159, 0], Marker::Ring, [14, 4]),
+    look([90, 90, 90], Marker::Cross, [3, 6]),
+];
 
-    /// An axis from `low` to `high`.
-    pub fn between(label: &str, scale: Scale, low: f64, high: f64) -> Self {
-        Self { range: Some([low, high]), ..Self::new(label, scale) }
-    }
-}
-
-/// One line of the chart.
+/// One line of a chart, or points without a line.
 #[derive(Debug, Clone)]
 pub struct Series {
     /// Its name in the legend; empty for none.
     pub label: String,
     /// (x, y); the line is interrupted at what is not finite.
     pub points: Vec<[f64; 2]>,
-    /// Its colour.
-    pub colour: [u8; 3],
-    /// Width of the line in pixels; 0 for none.
-    pub width: f64,
-    /// Whether the line is broken into dashes: for bounds and laws.
-    pub dashed: bool,
-    /// Diameter of the dots at the points, in pixels; 0 for none.
-    pub dots: f64,
+    pub look: Look,
+    /// What is written at the points; fewer than points are fine.
+    pub notes: Vec<String>,
 }
 
 impl Series {
-    /// A full line.
-    pub fn line(label: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Self {
-        Self { label: label.to_owned(), points, colour, width: 2.0, dashed: false, dots: 0.0 }
+    /// Measurements: a line with markers in the look of number `k`.
+    pub fn new(label: &str, k: usize, points: Vec<[f64; 2]>) -> Self {
+        Self { label: label.to_owned(), points, look: LOOKS[k], notes: Vec::new() }
     }
 
-    /// A line with a dot at each point: for measurements.
-    pub fn dotted(label: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Self {
-        Self { dots: 7.0, ..Self::line(label, colour, points) }
+    /// A curve: the same without markers.
+    pub fn curve(label: &str, k: usize, points: Vec<[f64; 2]>) -> Self {
+        Self { look: Look { marker: Marker::None, ..LOOKS[k] }, ..Self::new(label, k, points) }
     }
 
-    /// Dashes: for bounds and laws.
-    pub fn dashed(label: &str, colour: [u8; 3], points: Vec<[f64; 2]>) -> Self {
-        Self { dashed: true, ..Self::line(label, colour, points) }
+    /// Points alone.
+    pub fn points(label: &str, k: usize, points: Vec<[f64; 2]>) -> Self {
+        Self { look: Look { width: 0.0, ..LOOKS[k] }, ..Self::new(label, k, points) }
     }
-}
 
-/// Where the legend goes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Legend {
-    None,
-    TopLeft,
-    TopRight,
-    BottomLeft,
-    BottomRight,
-    /// Beside the chart.
-    Right,
+    /// Bounds and laws: a thin dark line in dashes.
+    pub fn law(label: &str, dashes: [i32; 2], points: Vec<[f64; 2]>) -> Self {
+        let look = Look { colour: INK, marker: Marker::None, radius: 0.0, width: 2.0, dashes };
+        Self { look, ..Self::new(label, 0, points) }
+    }
+
+    /// Writes something at each point.
+    pub fn with_notes(self, notes: impl IntoIterator<Item = String>) -> Self {
+        Self { notes: notes.into_iter().collect(), ..self }
+    }
 }
 
 /// A chart.
@@ -109,377 +105,228 @@ pub struct Chart {
     pub x: Axis,
     pub y: Axis,
     pub series: Vec<Series>,
-    pub legend: Legend,
-    /// Lines of text below.
-    pub caption: Vec<String>,
     /// Width and height of the picture in pixels.
     pub size: [usize; 2],
+}
+
+impl Look {
+    /// Wide and pale, without markers: to lie under another line.
+    pub const PALE: Self =
+        Self { colour: [245, 214, 96], marker: Marker::None, radius: 0.0, width: 13.0, dashes: [0, 0] };
+
+    /// A full line and markers that are wider than usual by `more` pixels on each side: seen under others that lie on it.
+    pub fn wider(self, more: f64) -> Self {
+        Self { radius: self.radius + more, width: self.width + 2.0 * more, dashes: [0, 0], ..self }
+    }
 }
 
 impl Chart {
     /// Draws it.
     pub fn draw(&self) -> Sheet {
-        let [width, height] = self.size.map(|s| s as i32);
-        let names = self.series.iter().filter(|s| !s.label.is_empty());
-        let legend_width = 44 + 6 * names.clone().map(|s| s.label.chars().count()).max().unwrap_or(0) as i32;
-        let (x, y) = (Ruler::new(&self.x, &self.series, 0), Ruler::new(&self.y, &self.series, 1));
-        let ticks = y.ticks((height / 50) as usize);
-        let tick_width = 6 * ticks.iter().map(|t| format(*t).len()).max().unwrap_or(0) as i32;
-        let right = if self.legend == Legend::Right { legend_width + 16 } else { 20 };
-        let area = Area {
-            left: tick_width + 40,
-            right: width - right,
-            top: 34,
-            bottom: height - 46 - LINE * self.caption.len() as i32,
-            x,
-            y,
-        };
-        let mut fine = blank(width * FINE, height * FINE);
-        area.grid(&mut fine, &ticks);
-        for series in &self.series {
-            area.series(&mut fine, series);
-        }
-        let corner = self.legend_corner(&area, legend_width, names.clone().count() as i32);
-        if let Some(corner) = corner {
-            let size = Size::new(legend_width as u32, (LINE * names.clone().count() as i32 + 8) as u32) * FINE as u32;
-            let box_style = PrimitiveStyle::with_fill(colour(PAPER));
-            never(Rectangle::new(corner * FINE, size).into_styled(box_style).draw(&mut fine));
-            for (k, series) in names.clone().enumerate() {
-                let middle = corner.y + 4 + LINE * k as i32 + LINE / 2;
-                let ends = [6, 30].map(|dx| [f64::from(corner.x + dx), f64::from(middle)].map(|c| c * f64::from(FINE)));
-                stroke(&mut fine, series, &ends);
-                dot(&mut fine, series, [0, 1].map(|k| (ends[0][k] + ends[1][k]) / 2.0));
-            }
-        }
-        let mut sheet = shrink(&fine);
-        area.labels(&mut sheet, &ticks, self);
-        if let Some(corner) = corner {
-            for (k, series) in names.enumerate() {
-                let at = corner + Point::new(38, 4 + LINE * k as i32 + LINE / 2);
-                write(&mut sheet, &series.label, at, &FONT_6X13, Alignment::Left);
-            }
-        }
-        for (k, line) in self.caption.iter().enumerate() {
-            let y = height - LINE * (self.caption.len() - k) as i32 + LINE / 2 - 4;
-            write(&mut sheet, line, Point::new(12, y), &FONT_6X13, Alignment::Left);
-        }
-        sheet
+        self.draw_over(None)
     }
 
-    fn legend_corner(&self, area: &Area, width: i32, names: i32) -> Option<Point> {
-        let height = LINE * names + 8;
-        let (left, right) = (area.left + 8, area.right - width - 8);
-        let (top, bottom) = (area.top + 8, area.bottom - height - 8);
-        match self.legend {
-            Legend::None => None,
-            Legend::TopLeft => Some(Point::new(left, top)),
-            Legend::TopRight => Some(Point::new(right, top)),
-            Legend::BottomLeft => Some(Point::new(left, bottom)),
-            Legend::BottomRight => Some(Point::new(right, bottom)),
-            Legend::Right => Some(Point::new(area.right + 12, area.top)),
+    /// Draws it over colours that depend on x and y.
+    pub fn draw_over(&self, picture: Option<&dyn Fn(f64, f64) -> [u8; 3]>) -> Sheet {
+        let points = || self.series.iter().flat_map(|s| s.points.iter());
+        let x = Ruler::new(&self.x, points().map(|p| p[0]), self.size[0] / 85);
+        let y = Ruler::new(&self.y, points().map(|p| p[1]), self.size[1] / 62);
+        figure(self.size, |root| {
+            let chart = self.frame(root, [&x, &y]);
+            let (columns, rows) = chart.plotting_area().get_pixel_range();
+            if let Some(picture) = picture {
+                let share = |at: i32, from: i32, to: i32| (f64::from(at - from) + 0.5) / f64::from(to - from);
+                for (column, row) in columns.clone().flat_map(|column| rows.clone().map(move |row| (column, row))) {
+                    let (u, v) = (share(column, columns.start, columns.end), 1.0 - share(row, rows.start, rows.end));
+                    let [r, g, b] = picture(x.value(u), y.value(v));
+                    done(root.draw_pixel((column, row), &RGBColor(r, g, b)));
+                }
+            }
+            let place = |p: [f64; 2]| chart.backend_coord(&(x.unscaled(p[0]), y.unscaled(p[1])));
+            let mut labels = notes::Notes::new([columns, rows]);
+            for series in &self.series {
+                let scaled: Vec<[f64; 2]> = series.points.iter().map(|p| [x.scaled(p[0]), y.scaled(p[1])]).collect();
+                for run in scaled.split(|p| !p.iter().all(|c| c.is_finite())) {
+                    for piece in inside(run, [x.ends, y.ends]) {
+                        let path: Vec<(i32, i32)> = piece.into_iter().map(place).collect();
+                        labels.avoid_line(&path);
+                        stroke(root, &series.look, &path);
+                    }
+                }
+                for (k, &p) in scaled.iter().enumerate() {
+                    if x.contains(p[0]) && y.contains(p[1]) && series.look.marker != Marker::None {
+                        mark(root, &series.look, place(p));
+                        labels.avoid_point(place(p));
+                        if let Some(note) = series.notes.get(k) {
+                            labels.push(place(p), note, series.look.colour);
+                        }
+                    }
+                }
+            }
+            labels.draw(root, Type::new(TEXT * FINE as f32));
+        })
+    }
+
+    /// Title, axes, their numbers and the mesh.
+    fn frame<'a>(&self, root: &Area<'a>, [x, y]: [&Ruler; 2]) -> ChartContext<'a, Canvas<'a>, Plane> {
+        let font = Type::new(TEXT);
+        let widest = y.ticks().into_iter().map(|t| font.width(&number(t))).fold(0.0, f32::max).ceil() as i32;
+        let room = (self.size[0] - 40) as f32 / Type::bold(TITLE).width(&self.title);
+        let mut builder = ChartBuilder::on(root);
+        if !self.title.is_empty() {
+            let size = TITLE * room.min(1.0) * FINE as f32;
+            builder.caption(&self.title, ("", size).into_font().style(FontStyle::Bold).color(&ink()));
         }
+        builder.margin(14 * FINE).margin_right(30 * FINE);
+        builder.x_label_area_size(76 * FINE).y_label_area_size((widest + 50) * FINE);
+        let mut chart = done(builder.build_cartesian_2d(x.clone(), y.clone()));
+        let text = |size: f32| ("", size * FINE as f32).into_font().color(&ink());
+        let mut mesh = chart.configure_mesh();
+        mesh.axis_style(ink().stroke_width(FINE as u32)).bold_line_style(MESH.stroke_width(FINE as u32));
+        mesh.light_line_style(FAINT.stroke_width(FINE as u32)).set_all_tick_mark_size(5 * FINE);
+        mesh.label_style(text(TEXT)).axis_desc_style(text(TEXT + 1.0));
+        done(mesh.x_desc(self.x.label.clone()).y_desc(self.y.label.clone()).draw());
+        chart
     }
 }
 
-/// Charts and pictures below and beside each other on white.
-pub fn grid(rows: &[Vec<Sheet>]) -> Sheet {
-    let width = rows.iter().map(|row| row.iter().map(|s| s.width).sum()).max().unwrap_or(1);
-    let heights: Vec<usize> = rows.iter().map(|row| row.iter().map(|s| s.height).max().unwrap_or(0)).collect();
-    let mut all = blank(width as i32, heights.iter().sum::<usize>() as i32);
-    let mut top = 0;
-    for (row, height) in rows.iter().zip(heights) {
-        let mut left = 0;
-        for part in row {
-            place(&mut all, part, left, top);
-            left += part.width;
+/// The names of series beside their lines and markers, in columns, as a picture of a given width.
+pub fn legend<'a>(series: impl IntoIterator<Item = &'a Series>, columns: usize, width: usize) -> Sheet {
+    let named: Vec<&Series> = series.into_iter().filter(|s| !s.label.is_empty()).collect();
+    let (font, rows) = (Type::new(TEXT), named.len().div_ceil(columns));
+    let (line, swatch, left) = (font.line() + 6, 56, 30);
+    let place = |k: usize| {
+        let (column, row) = (k / rows, k % rows);
+        [left + column * (width - left) / columns, 12 + row * line + line / 2].map(|c| c as i32)
+    };
+    let mut sheet = figure([width, 24 + rows * line], |root| {
+        for (k, series) in named.iter().enumerate() {
+            let [x, y] = place(k).map(|c| c * FINE);
+            let middle = swatch / 2 * FINE;
+            stroke(root, &series.look, &[(x, y), (x + middle, y), (x + 2 * middle, y)]);
+            mark(root, &series.look, (x + middle, y));
         }
-        top += height;
+    });
+    for (k, series) in named.iter().enumerate() {
+        let [x, y] = place(k).map(|c| c as f32);
+        sheet.write(&series.label, [x + swatch as f32 + 12.0, y], font, INK, Align::Left);
     }
-    all
+    sheet
 }
 
 /// Lines of text as a picture.
-pub fn text(lines: &[String], [width, height]: [usize; 2]) -> Sheet {
-    let mut sheet = blank(width as i32, height as i32);
+pub fn text(lines: &[String], size: [usize; 2]) -> Sheet {
+    let (mut sheet, font) = (Sheet::blank(size, PAPER), Type::new(TEXT));
     for (k, line) in lines.iter().enumerate() {
-        write(&mut sheet, line, Point::new(16, 16 + LINE * k as i32), &FONT_6X13, Alignment::Left);
+        let middle = 16.0 + (k as f32 + 0.5) * font.line() as f32;
+        sheet.write(line, [30.0, middle], font, INK, Align::Left);
     }
     sheet
 }
 
-/// A picture of a function of two numbers with its axes.
-pub fn image(title: &str, [x, y]: [&Axis; 2], size: [usize; 2], pixel: impl Fn(f64, f64) -> [u8; 3]) -> Sheet {
-    let chart = Chart {
-        title: title.to_owned(),
-        x: x.clone(),
-        y: y.clone(),
-        series: Vec::new(),
-        legend: Legend::None,
-        caption: Vec::new(),
-        size,
-    };
-    let mut sheet = chart.draw();
-    let (x, y) = (Ruler::new(x, &[], 0), Ruler::new(y, &[], 1));
-    let tick_width = 6 * y.ticks(size[1] / 50).iter().map(|t| format(*t).len()).max().unwrap_or(0) as i32;
-    let area = Area { left: tick_width + 40, right: size[0] as i32 - 20, top: 34, bottom: size[1] as i32 - 46, x, y };
-    for row in area.top + 1..area.bottom {
-        for column in area.left + 1..area.right {
-            let share = |at: i32, from: i32, to: i32| (f64::from(at) + 0.5 - f64::from(from)) / f64::from(to - from);
-            let u = area.x.value(share(column, area.left, area.right));
-            let v = area.y.value(share(row, area.bottom, area.top));
-            sheet.pixels[row as usize * sheet.width + column as usize] = pixel(u, v);
+/// A table as a picture: a title, a header, rows; the first column to the left, the others to the right.
+pub fn table(title: &str, header: &[String], rows: &[Vec<String>], width: usize) -> Sheet {
+    let font = Type::new(TEXT - 1.0);
+    let bold = Type { bold: true, ..font };
+    let line = font.line() + 5;
+    let mut sheet = Sheet::blank([width, (rows.len() + 2) * line + 40], PAPER);
+    let middle = |row: usize| 16.0 + (row as f32 + 0.5) * line as f32;
+    sheet.write(title, [30.0, middle(0)], Type::bold(TITLE), INK, Align::Left);
+    let first = rows.iter().chain([&header.to_vec()]).map(|row| font.width(&row[0])).fold(0.0, f32::max) + 30.0;
+    let step = (width as f32 - 30.0 - first) / (header.len() - 1).max(1) as f32;
+    for (k, row) in [header].into_iter().chain(rows.iter().map(Vec::as_slice)).enumerate() {
+        let font = if k == 0 { bold } else { font };
+        for (column, cell) in row.iter().enumerate() {
+            let (x, align) =
+                if column == 0 { (30.0, Align::Left) } else { (first + column as f32 * step, Align::Right) };
+            sheet.write(cell, [x, middle(k + 1)], font, INK, align);
         }
     }
     sheet
 }
 
-fn place(all: &mut Sheet, part: &Sheet, left: usize, top: usize) {
-    for (row, pixels) in part.pixels.chunks_exact(part.width).enumerate() {
-        let start = (top + row) * all.width + left;
-        all.pixels[start..start + part.width].copy_from_slice(pixels);
-    }
+/// Draws on a fine picture and averages it.
+fn figure(size: [usize; 2], draw: impl FnOnce(&Area<'_>)) -> Sheet {
+    let mut fine = Sheet::blank(size.map(|s| s * FINE as usize), PAPER);
+    draw(&Canvas { fine: &mut fine }.into_drawing_area());
+    shrink(&fine)
 }
 
-/// Values along an axis ↔ the share of its length.
-#[derive(Debug, Clone)]
-struct Ruler {
-    scale: Scale,
-    /// The ends, after the logarithm.
-    ends: [f64; 2],
+fn ink() -> RGBColor {
+    RGBColor(INK[0], INK[1], INK[2])
 }
 
-impl Ruler {
-    fn new(axis: &Axis, series: &[Series], k: usize) -> Self {
-        let log = |x: f64| match axis.scale {
-            Scale::Linear => x,
-            Scale::Log10 => x.log10(),
-            Scale::Log2 => x.log2(),
-        };
-        let ends = axis.range.unwrap_or_else(|| {
-            let values = series.iter().flat_map(|s| &s.points).map(|p| p[k]).filter(|&x| log(x).is_finite());
-            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
-        });
-        let mut ends = ends.map(log);
-        if !(ends[0] < ends[1]) || !(ends[1] - ends[0]).is_finite() {
-            let middle = if ends[0].is_finite() { ends[0] } else { 0.0 };
-            ends = [middle - 1.0, middle + 1.0];
-        } else if axis.range.is_none() {
-            let room = 0.04 * (ends[1] - ends[0]);
-            ends = [ends[0] - room, ends[1] + room];
-        }
-        Self { scale: axis.scale, ends }
-    }
-
-    fn share(&self, x: f64) -> f64 {
-        let x = match self.scale {
-            Scale::Linear => x,
-            Scale::Log10 => x.log10(),
-            Scale::Log2 => x.log2(),
-        };
-        (x - self.ends[0]) / (self.ends[1] - self.ends[0])
-    }
-
-    fn value(&self, share: f64) -> f64 {
-        let x = self.ends[0] + share * (self.ends[1] - self.ends[0]);
-        match self.scale {
-            Scale::Linear => x,
-            Scale::Log10 => 10f64.powf(x),
-            Scale::Log2 => x.exp2(),
-        }
-    }
-
-    /// Round values, about `count` of them.
-    fn ticks(&self, count: usize) -> Vec<f64> {
-        let span = self.ends[1] - self.ends[0];
-        let count = count.max(2) as f64;
-        let multiples = |step: f64| {
-            let first = (self.ends[0] / step - 1e-9).ceil();
-            let number = ((self.ends[1] / step + 1e-9).floor() - first).clamp(-1.0, 200.0) as i64;
-            (0..=number).map(move |k| (first + k as f64) * step)
-        };
-        match self.scale {
-            Scale::Log2 => multiples((span / count).ceil().max(1.0)).map(f64::exp2).collect(),
-            Scale::Log10 if span >= 2.0 => multiples((span / count).ceil()).map(|x| 10f64.powf(x)).collect(),
-            Scale::Log10 => {
-                let decades = self.ends[0].floor() as i32..=self.ends[1].ceil() as i32;
-                let all = decades.flat_map(|e| [1.0, 2.0, 5.0].map(|m| m * 10f64.powi(e)));
-                all.filter(|&x| (-1e-9..=1.0 + 1e-9).contains(&self.share(x))).collect()
-            }
-            Scale::Linear => {
-                let power = 10f64.powf((span / count).log10().floor());
-                let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s * count >= span);
-                multiples(step.unwrap_or(10.0 * power)).collect()
-            }
-        }
-    }
+/// The canvas never fails.
+fn done<T, E: std::error::Error>(drawn: Result<T, E>) -> T {
+    drawn.unwrap_or_else(|failure| panic!("drawing on a canvas failed: {failure}"))
 }
 
-/// A short form of a number: 0.25, 1000, 1e6.
-fn format(x: f64) -> String {
-    if x == 0.0 || x.abs() < 1e-12 {
-        return "0".to_owned();
-    }
-    if !(1e-3..1e5).contains(&x.abs()) {
-        return format!("{x:.1e}").replace(".0e", "e");
-    }
-    let decimals = (3 - x.abs().log10().floor() as i32).clamp(0, 6) as usize;
-    let text = format!("{x:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-/// The frame in pixels and what it stands for.
-struct Area {
-    left: i32,
-    right: i32,
-    top: i32,
-    bottom: i32,
-    x: Ruler,
-    y: Ruler,
-}
-
-impl Area {
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let along = |share: f64, from: i32, to: i32| f64::from(FINE) * (f64::from(from) + share * f64::from(to - from));
-        [along(self.x.share(x), self.left, self.right), along(self.y.share(y), self.bottom, self.top)]
-    }
-
-    fn x_ticks(&self) -> Vec<f64> {
-        self.x.ticks(((self.right - self.left) / 56) as usize)
-    }
-
-    fn grid(&self, fine: &mut Sheet, y_ticks: &[f64]) {
-        let [left, right, top, bottom] = [self.left, self.right, self.top, self.bottom].map(|c| c * FINE);
-        let thin = |c| PrimitiveStyle::with_stroke(colour(c), FINE as u32);
-        let mut line = |a: [i32; 2], b: [i32; 2], c| {
-            let ends = [a, b].map(|[x, y]| Point::new(x, y));
-            never(Line::new(ends[0], ends[1]).into_styled(thin(c)).draw(fine));
-        };
-        for tick in self.x_ticks() {
-            let x = left + (self.x.share(tick) * f64::from(right - left)) as i32;
-            line([x, top], [x, bottom + 4 * FINE], GRID);
-        }
-        for &tick in y_ticks {
-            let y = bottom - (self.y.share(tick) * f64::from(bottom - top)) as i32;
-            line([left - 4 * FINE, y], [right, y], GRID);
-        }
-        line([left, bottom], [right, bottom], INK);
-        line([left, top], [left, bottom], INK);
-    }
-
-    fn series(&self, fine: &mut Sheet, series: &Series) {
-        let size = Size::new((self.right - self.left) as u32, (self.bottom - self.top) as u32);
-        let frame = Rectangle::new(Point::new(self.left, self.top) * FINE, size * FINE as u32);
-        let mut inside = fine.clipped(&frame);
-        let points: Vec<[f64; 2]> = series.points.iter().map(|&p| self.at(p)).collect();
-        for run in points.split(|p| !p.iter().all(|c| c.is_finite() && c.abs() < 1e6)) {
-            stroke(&mut inside, series, run);
-            run.iter().for_each(|&p| dot(&mut inside, series, p));
-        }
-    }
-
-    fn labels(&self, sheet: &mut Sheet, y_ticks: &[f64], chart: &Chart) {
-        for tick in self.x_ticks() {
-            let x = self.left + (self.x.share(tick) * f64::from(self.right - self.left)).round() as i32;
-            write(sheet, &format(tick), Point::new(x, self.bottom + 12), &FONT_6X13, Alignment::Center);
-        }
-        for &tick in y_ticks {
-            let y = self.bottom - (self.y.share(tick) * f64::from(self.bottom - self.top)).round() as i32;
-            write(sheet, &format(tick), Point::new(self.left - 7, y), &FONT_6X13, Alignment::Right);
-        }
-        let middle = Point::new((self.left + self.right) / 2, self.bottom + 30);
-        write(sheet, &chart.x.label, middle, &FONT_6X13, Alignment::Center);
-        write(sheet, &chart.title, Point::new(self.left, 16), &FONT_7X13_BOLD, Alignment::Left);
-        let width = 6 * chart.y.label.chars().count() as i32;
-        let mut upright = blank(width.max(1), LINE);
-        write(&mut upright, &chart.y.label, Point::new(0, LINE / 2), &FONT_6X13, Alignment::Left);
-        let mut turned = blank(LINE, upright.width as i32);
-        for (i, pixel) in upright.pixels.iter().enumerate() {
-            let (x, y) = (i % upright.width, i / upright.width);
-            turned.pixels[(upright.width - 1 - x) * turned.width + y] = *pixel;
-        }
-        let top = ((self.top + self.bottom - width) / 2).max(0) as usize;
-        let fits = top + turned.height <= sheet.height;
-        if fits {
-            place(sheet, &turned, 6, top);
-        }
-    }
-}
-
-/// A polyline, full or dashed, in fine pixels.
-fn stroke<D: DrawTarget<Color = Rgb888, Error = std::convert::Infallible>>(
-    to: &mut D,
-    series: &Series,
-    run: &[[f64; 2]],
-) {
-    let width = (series.width * f64::from(FINE)).round() as u32;
-    if width == 0 || run.len() < 2 {
+/// A polyline, full or in dashes, in fine pixels.
+fn stroke(root: &Area<'_>, look: &Look, path: &[(i32, i32)]) {
+    let width = (look.width * f64::from(FINE)).round() as u32;
+    if width == 0 || path.len() < 2 {
         return;
     }
-    let style = PrimitiveStyle::with_stroke(colour(series.colour), width);
-    let mut draw = |points: &[[f64; 2]]| {
-        let points: Vec<Point> = points.iter().map(|p| Point::new(p[0].round() as i32, p[1].round() as i32)).collect();
-        never(Polyline::new(&points).into_styled(style).draw(to));
-    };
-    if !series.dashed {
-        return draw(run);
+    let style = RGBColor(look.colour[0], look.colour[1], look.colour[2]).stroke_width(width);
+    let [dash, gap] = look.dashes.map(|d| d * FINE);
+    if gap == 0 {
+        done(root.draw(&PathElement::new(path.to_vec(), style)));
+    } else {
+        done(root.draw(&DashedPathElement::new(path.iter().copied(), dash, gap, style)));
     }
-    let (dash, mut gone) = (f64::from(FINE) * 6.0, 0.0);
-    for ends in run.windows(2) {
-        let step = [ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]];
-        let length = step[0].hypot(step[1]);
-        let at = |t: f64| [ends[0][0] + step[0] * t / length, ends[0][1] + step[1] * t / length];
-        let mut t = 0.0;
-        while t < length {
-            let phase = (gone + t) % (2.0 * dash);
-            let next = t + if phase < dash { dash - phase } else { 2.0 * dash - phase }.max(1e-3);
-            if phase < dash {
-                draw(&[at(t), at(next.min(length))]);
+}
+
+/// A marker with a rim of paper, so that two that overlap are seen as two.
+fn mark(root: &Area<'_>, look: &Look, (x, y): (i32, i32)) {
+    let fill = |colour: [u8; 3], radius: f64| {
+        let r = radius * f64::from(FINE);
+        let style = RGBColor(colour[0], colour[1], colour[2]).filled();
+        let corner = |&(dx, dy): &(f64, f64)| (x + (r * dx).round() as i32, y + (r * dy).round() as i32);
+        let polygon = |corners: &[(f64, f64)]| {
+            done(root.draw(&Polygon::new(corners.iter().map(corner).collect::<Vec<_>>(), style)));
+        };
+        match look.marker {
+            Marker::None => {}
+            Marker::Disc | Marker::Ring => done(root.draw(&Circle::new((x, y), r.round() as i32, style))),
+            Marker::Square => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
+            Marker::Up => polygon(&[(0.0, -1.2), (1.1, 0.8), (-1.1, 0.8)]),
+            Marker::Down => polygon(&[(0.0, 1.2), (1.1, -0.8), (-1.1, -0.8)]),
+            Marker::Diamond => polygon(&[(0.0, -1.3), (1.1, 0.0), (0.0, 1.3), (-1.1, 0.0)]),
+            Marker::Cross => {
+                polygon(&[(-1.1, -0.6), (-0.6, -1.1), (1.1, 0.6), (0.6, 1.1)]);
+                polygon(&[(1.1, -0.6), (0.6, -1.1), (-1.1, 0.6), (-0.6, 1.1)]);
             }
-            t = next;
         }
-        gone += length;
+    };
+    fill(PAPER, look.radius + 1.5);
+    fill(look.colour, look.radius);
+    if look.marker == Marker::Ring {
+        fill(PAPER, 0.55 * look.radius);
     }
 }
 
-fn dot<D: DrawTarget<Color = Rgb888, Error = std::convert::Infallible>>(to: &mut D, series: &Series, [x, y]: [f64; 2]) {
-    let diameter = (series.dots * f64::from(FINE)).round() as u32;
-    if diameter > 0 {
-        let centre = Point::new(x.round() as i32, y.round() as i32);
-        let style = PrimitiveStyle::with_fill(colour(series.colour));
-        never(Circle::with_center(centre, diameter).into_styled(style).draw(to));
+/// The parts of a polyline that lie in a rectangle.
+fn inside(run: &[[f64; 2]], ends: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
+    for pair in run.windows(2) {
+        let step = [pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]];
+        let [mut from, mut to] = [0.0f64, 1.0];
+        for k in 0..2 {
+            let [low, high] = ends[k];
+            if step[k] == 0.0 {
+                to = if (low..=high).contains(&pair[0][k]) { to } else { -1.0 };
+                continue;
+            }
+            let [a, b] = [low, high].map(|end| (end - pair[0][k]) / step[k]);
+            (from, to) = (from.max(a.min(b)), to.min(a.max(b)));
+        }
+        if from < to {
+            let at = |t: f64| [pair[0][0] + t * step[0], pair[0][1] + t * step[1]];
+            match pieces.last_mut() {
+                Some(piece) if from == 0.0 && piece.last() == Some(&pair[0]) => piece.push(at(to)),
+                _ => pieces.push(vec![at(from), at(to)]),
+            }
+        }
     }
-}
-
-fn blank(width: i32, height: i32) -> Sheet {
-    let (width, height) = (width as usize, height as usize);
-    Sheet { width, height, pixels: vec![PAPER; width * height] }
-}
-
-/// The mean of each FINE × FINE square.
-fn shrink(fine: &Sheet) -> Sheet {
-    let k = FINE as usize;
-    let mut sheet = blank((fine.width / k) as i32, (fine.height / k) as i32);
-    for (i, pixel) in sheet.pixels.iter_mut().enumerate() {
-        let (x, y) = (i % sheet.width * k, i / sheet.width * k);
-        *pixel = std::array::from_fn(|c| {
-            let sum: usize =
-                (0..k * k).map(|s| usize::from(fine.pixels[(y + s / k) * fine.width + x + s % k][c])).sum();
-            ((sum + k * k / 2) / (k * k)) as u8
-        });
-    }
-    sheet
-}
-
-/// One line of text, centred on the height of `at`.
-fn write(sheet: &mut Sheet, text: &str, at: Point, font: &MonoFont<'_>, alignment: Alignment) {
-    let style = TextStyleBuilder::new().alignment(alignment).baseline(Baseline::Middle).build();
-    never(Text::with_text_style(text, at, MonoTextStyle::new(font, colour(INK)), style).draw(sheet));
-}
-
-fn colour([r, g, b]: [u8; 3]) -> Rgb888 {
-    Rgb888::new(r, g, b)
-}
-
-fn never<T>(drawn: Result<T, std::convert::Infallible>) -> T {
-    drawn.unwrap_or_else(|never| match never {})
+    pieces
 }

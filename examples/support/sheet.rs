@@ -1,26 +1,42 @@
-//! Contact sheets: pictures in a grid, each with a caption.
+//! Pictures of 8 bits and text on them; contact sheets: pictures in a grid, each with a caption.
 
-use embedded_graphics::mono_font::ascii::FONT_6X13;
-use embedded_graphics::mono_font::{MonoFont, MonoTextStyle};
-use embedded_graphics::pixelcolor::Rgb888;
-use embedded_graphics::prelude::*;
-use embedded_graphics::text::{Baseline, Text};
 use haarmonic::nalgebra::Vector3;
 
-const FONT: MonoFont<'static> = FONT_6X13;
-const LINE: usize = 15;
-const MARGIN: usize = 8;
-const BACKGROUND: [u8; 3] = [24, 25, 28];
+use super::text::{CAPITAL, Type};
 
-/// An 8-bit sRGB picture with room for text.
+/// Ground of contact sheets.
+pub const DARK: [u8; 3] = [24, 25, 28];
+/// Text on it.
+pub const BRIGHT: [u8; 3] = [228, 228, 228];
+/// Titles on it.
+const TITLE: [u8; 3] = [255, 214, 140];
+/// Ground of charts.
+pub const PAPER: [u8; 3] = [255, 255, 255];
+/// Text on it.
+pub const INK: [u8; 3] = [30, 32, 38];
+
+const CAPTION: f32 = 19.0;
+const MARGIN: usize = 12;
+
+/// Which part of a line of text lies where it is put.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Middle,
+    Right,
+}
+
+/// An 8-bit sRGB picture.
+#[derive(Debug, Clone)]
 pub struct Sheet {
     pub width: usize,
     pub height: usize,
     pub pixels: Vec<[u8; 3]>,
 }
 
-/// One picture of the sheet.
+/// One picture of a contact sheet.
 pub struct Panel {
+    /// Lines below; those that are wider than the picture are broken.
     pub caption: Vec<String>,
     pub width: usize,
     pub height: usize,
@@ -28,61 +44,126 @@ pub struct Panel {
 }
 
 impl Sheet {
-    /// Lays the panels out in rows; a `None` leaves its cell empty. All panels of a sheet have one size.
+    /// One colour.
+    pub fn blank([width, height]: [usize; 2], colour: [u8; 3]) -> Self {
+        Self { width, height, pixels: vec![colour; width * height] }
+    }
+
+    /// A contact sheet of panels in rows; a `None` leaves its cell empty.
     pub fn new(title: &str, rows: &[Vec<Option<Panel>>]) -> Self {
-        let panels = || rows.iter().flatten().flatten();
-        let cell_width = panels().map(|p| p.width).max().unwrap_or(1);
-        let cell_height = panels().map(|p| p.height + p.caption.len() * LINE).max().unwrap_or(1);
+        let (caption, heading) = (Type::new(CAPTION), Type::bold(CAPTION + 2.0));
+        let cell_width = rows.iter().flatten().flatten().map(|p| p.width).max().unwrap_or(1);
+        let lines = |p: &Panel| p.caption.iter().flat_map(|l| caption.wrap(l, cell_width)).collect::<Vec<_>>();
+        let height_of = |row: &Vec<Option<Panel>>| {
+            row.iter().flatten().map(|p| p.height + lines(p).len() * caption.line()).max().unwrap_or(0)
+        };
         let columns = rows.iter().map(Vec::len).max().unwrap_or(1);
         let width = MARGIN + columns * (cell_width + MARGIN);
-        let top = 2 * MARGIN + LINE;
-        let height = top + rows.len() * (cell_height + MARGIN);
-        let mut sheet = Self { width, height, pixels: vec![BACKGROUND; width * height] };
-        sheet.write(title, MARGIN, MARGIN, Rgb888::new(255, 214, 140));
-        for (row, panels) in rows.iter().enumerate() {
-            for (column, panel) in panels.iter().enumerate() {
+        let title = heading.wrap(title, width - 2 * MARGIN);
+        let top = 2 * MARGIN + title.len() * heading.line();
+        let height = top + rows.iter().map(|row| height_of(row) + MARGIN).sum::<usize>();
+        let mut sheet = Self::blank([width, height], DARK);
+        for (k, line) in title.iter().enumerate() {
+            let middle = (MARGIN + k * heading.line()) as f32 + 0.5 * heading.line() as f32;
+            sheet.write(line, [MARGIN as f32, middle], heading, TITLE, Align::Left);
+        }
+        let mut y = top;
+        for row in rows {
+            for (column, panel) in row.iter().enumerate() {
                 let Some(panel) = panel else { continue };
-                let (x, y) = (MARGIN + column * (cell_width + MARGIN), top + row * (cell_height + MARGIN));
-                sheet.place(panel, x, y);
+                let x = MARGIN + column * (cell_width + MARGIN);
+                sheet.place(&panel.pixels, panel.width, [x, y]);
+                for (k, line) in lines(panel).iter().enumerate() {
+                    let middle = (y + panel.height + 3 + k * caption.line()) as f32 + 0.5 * caption.line() as f32;
+                    sheet.write(line, [x as f32, middle], caption, BRIGHT, Align::Left);
+                }
             }
+            y += height_of(row) + MARGIN;
         }
         sheet
     }
 
-    fn place(&mut self, panel: &Panel, x: usize, y: usize) {
-        for (line, pixels) in panel.pixels.chunks_exact(panel.width).enumerate() {
-            let start = (y + line) * self.width + x;
-            self.pixels[start..start + panel.width].copy_from_slice(pixels);
-        }
-        for (i, line) in panel.caption.iter().enumerate() {
-            self.write(line, x, y + panel.height + 2 + i * LINE, Rgb888::new(225, 225, 225));
-        }
-    }
-
-    fn write(&mut self, text: &str, x: usize, y: usize, colour: Rgb888) {
-        let style = MonoTextStyle::new(&FONT, colour);
-        let drawn = Text::with_baseline(text, Point::new(x as i32, y as i32), style, Baseline::Top).draw(self);
-        drawn.unwrap_or_else(|never| match never {});
-    }
-}
-
-impl OriginDimensions for Sheet {
-    fn size(&self) -> Size {
-        Size::new(self.width as u32, self.height as u32)
-    }
-}
-
-impl DrawTarget for Sheet {
-    type Color = Rgb888;
-    type Error = std::convert::Infallible;
-
-    fn draw_iter<I: IntoIterator<Item = Pixel<Rgb888>>>(&mut self, pixels: I) -> Result<(), Self::Error> {
-        for Pixel(p, c) in pixels {
-            if (0..self.width as i32).contains(&p.x) && (0..self.height as i32).contains(&p.y) {
-                self.pixels[p.y as usize * self.width + p.x as usize] = [c.r(), c.g(), c.b()];
+    /// Pictures beside each other in rows, each row in the middle.
+    pub fn grid(rows: &[Vec<Self>], ground: [u8; 3]) -> Self {
+        let width_of = |row: &Vec<Self>| row.iter().map(|s| s.width).sum::<usize>();
+        let height_of = |row: &Vec<Self>| row.iter().map(|s| s.height).max().unwrap_or(0);
+        let width = rows.iter().map(width_of).max().unwrap_or(1);
+        let mut all = Self::blank([width, rows.iter().map(height_of).sum()], ground);
+        let mut y = 0;
+        for row in rows {
+            let mut x = (width - width_of(row)) / 2;
+            for part in row {
+                all.place(&part.pixels, part.width, [x, y]);
+                x += part.width;
             }
+            y += height_of(row);
         }
-        Ok(())
+        all
+    }
+
+    /// Copies a picture to a place.
+    pub fn place(&mut self, pixels: &[[u8; 3]], width: usize, [x, y]: [usize; 2]) {
+        for (line, pixels) in pixels.chunks_exact(width).enumerate() {
+            let start = (y + line) * self.width + x;
+            self.pixels[start..start + width].copy_from_slice(pixels);
+        }
+    }
+
+    /// Mixes a colour into a pixel; outside of the picture, nothing.
+    pub fn mix(&mut self, [x, y]: [i32; 2], colour: [u8; 3], share: f32) {
+        if (0..self.width as i32).contains(&x) && (0..self.height as i32).contains(&y) {
+            let pixel = &mut self.pixels[y as usize * self.width + x as usize];
+            *pixel = std::array::from_fn(|k| {
+                let [from, to] = [pixel[k], colour[k]].map(f32::from);
+                (from + share * (to - from)).round() as u8
+            });
+        }
+    }
+
+    /// Writes a line of text, the middle of its capitals at the height of `at`.
+    pub fn write(&mut self, text: &str, at: [f32; 2], font: Type, colour: [u8; 3], align: Align) {
+        let before = match align {
+            Align::Left => 0.0,
+            Align::Middle => 0.5 * font.width(text),
+            Align::Right => font.width(text),
+        };
+        let [x, y] = [at[0] - before, at[1] + 0.5 * CAPITAL * font.size].map(|c| c.round() as i32);
+        font.draw(text, |dx, dy, share| self.mix([x + dx, y + dy], colour, share));
+    }
+}
+
+/// A scale of colours as a bar with numbers below it, and what they mean below these.
+pub struct ColourBar<'a> {
+    pub label: &'a str,
+    /// Where on the bar, from 0 to 1, and what is written there.
+    pub ticks: &'a [(f32, String)],
+    /// Of a place on the bar.
+    pub colour: &'a dyn Fn(f32) -> [u8; 3],
+}
+
+impl ColourBar<'_> {
+    /// Draws it in the middle of a picture of its own.
+    pub fn draw(&self, size: [usize; 2], font: Type, [ink, ground]: [[u8; 3]; 2]) -> Sheet {
+        let mut sheet = Sheet::blank(size, ground);
+        let (line, label) = (font.line(), font.wrap(self.label, size[0]));
+        let (left, right) = (size[0] / 10, size[0] - size[0] / 10);
+        let bar = 2 * line;
+        let top = size[1].saturating_sub(bar + 10 + (1 + label.len()) * line) / 2;
+        let share = |x: usize| (x as f32 + 0.5 - left as f32) / (right - left) as f32;
+        for (x, y) in (left..right).flat_map(|x| (top..top + bar).map(move |y| (x, y))) {
+            let edge = x == left || x + 1 == right || y == top || y + 1 == top + bar;
+            sheet.mix([x as i32, y as i32], if edge { ink } else { (self.colour)(share(x)) }, 1.0);
+        }
+        for (at, text) in self.ticks {
+            let x = left as f32 + at * (right - 1 - left) as f32;
+            (0..8).for_each(|dy| sheet.mix([x as i32, (top + bar + dy) as i32], ink, 1.0));
+            sheet.write(text, [x, (top + bar + 10) as f32 + 0.5 * line as f32], font, ink, Align::Middle);
+        }
+        for (k, text) in label.iter().enumerate() {
+            let middle = (top + bar + 10 + (k + 1) * line) as f32 + 0.5 * line as f32;
+            sheet.write(text, [0.5 * size[0] as f32, middle], font, ink, Align::Middle);
+        }
+        sheet
     }
 }
 

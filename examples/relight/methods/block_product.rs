@@ -174,12 +174,12 @@ impl BlockProduct {
         Ok((transport, bar.finish()))
     }
 
-    /// The blocks and what chooses their samples, in ASCII.
+    /// The blocks and what chooses their samples.
     fn caption(&self, args: &Args) -> String {
         let (side, rule) = (self.side(args), self.rule.name());
         match self.rule {
-            Sampling::Bounded => format!("blocks of {side}x{side}, {rule} by {}", self.tolerance),
-            _ => format!("blocks of {side}x{side}, {rule}"),
+            Sampling::Bounded => format!("blocks of {side} × {side}, {rule} by {}", self.tolerance),
+            _ => format!("blocks of {side} × {side}, {rule}"),
         }
     }
 

@@ -1,0 +1,41 @@
+//! How long things take.
+
+use std::time::Instant;
+
+/// What a call returns, and the seconds that it took.
+pub fn seconds<T>(call: impl FnOnce() -> T) -> (T, f64) {
+    let started = Instant::now();
+    let value = call();
+    (value, started.elapsed().as_secs_f64())
+}
+
+/// Times of frames, or of rounds of anything that is done again and again.
+#[derive(Debug, Clone, Default)]
+pub struct Timer {
+    milliseconds: Vec<f64>,
+}
+
+impl Timer {
+    /// Times one frame.
+    pub fn time<T>(&mut self, frame: impl FnOnce() -> T) -> T {
+        let (value, seconds) = seconds(frame);
+        self.milliseconds.push(seconds * 1e3);
+        value
+    }
+
+    /// Milliseconds of the first frame; NaN before it.
+    pub fn first(&self) -> f64 {
+        self.milliseconds.first().copied().unwrap_or(f64::NAN)
+    }
+
+    /// The median in milliseconds, of an even number the mean of the middle two; NaN before the first frame.
+    pub fn median(&self) -> f64 {
+        let mut sorted = self.milliseconds.clone();
+        sorted.sort_by(f64::total_cmp);
+        match sorted.len() {
+            0 => f64::NAN,
+            n if n % 2 == 1 => sorted[n / 2],
+            n => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+        }
+    }
+}
