@@ -17,7 +17,8 @@ pub fn format(header: &[&str], rows: &[Vec<String>]) -> String {
         cells.collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     let mut text = line(header.to_vec());
-    text += &line(widths.iter().map(|&w| &"--------------------------------"[..w.min(32)]).collect());
+    let dashes: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
+    text += &line(dashes.iter().map(String::as_str).collect());
     for row in rows {
         text += &line(row.iter().map(String::as_str).collect());
     }

@@ -26,7 +26,7 @@ impl ProjectedLight {
     /// Darkness on a grid.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] for a side that is none.
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) for a side that is none.
     pub fn new(grid: CubeGrid) -> Result<Self> {
         let transform = Transform2d::new(grid.side(), grid.side(), Decomposition::Nonstandard)?;
         let area = grid.face_len() as f64;
@@ -44,7 +44,7 @@ impl ProjectedLight {
     /// Weights and transforms a light.
     ///
     /// # Errors
-    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite; the light
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite; the light
     /// from before stays.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid)?;

@@ -144,7 +144,7 @@ impl LightForms {
     /// Sums are taken in `f64` and rounded once. Any finite light will do: see [`scale`](Self::scale).
     ///
     /// # Errors
-    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite.
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid())?;
         let largest = light.texels().iter().map(|texel| texel.amax()).fold(0.0, f32::max);

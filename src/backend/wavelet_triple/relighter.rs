@@ -55,7 +55,7 @@ impl<'a> Relighter<'a> {
     /// A relighter without light.
     ///
     /// # Errors
-    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a fraction of terms outside
+    /// [`Error::Length`](crate::Error::Length) if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`](crate::Error::OutOfRange) for a fraction of terms outside
     /// [0, 1] and for a table whose side is none of a cube map.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings<'a>) -> Result<Self> {
         check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
@@ -119,7 +119,7 @@ impl<'a> Relighter<'a> {
     /// was set) are black.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF whose value for one of the texels is NaN or
+    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh, [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF whose value for one of the texels is NaN or
     /// infinite in `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
     ///
     /// # Panics

@@ -80,7 +80,7 @@ pub struct BiclusterStats {
     pub flops: usize,
     /// 2 nnz of the matrix.
     pub matrix_flops: usize,
-    /// Bytes of a [`BiclusterMultiplier`] for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4 (rows + 1).
+    /// Bytes of a [`BiclusterMultiplier`](super::BiclusterMultiplier) for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4 (rows + 1).
     pub bytes: usize,
     /// Bytes of the matrix in compressed rows ([`SparseMatrix::bytes`]).
     pub matrix_bytes: usize,
