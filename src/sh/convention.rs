@@ -9,6 +9,7 @@ use crate::error::check_length;
 use crate::sphere::Axes;
 
 /// The sign of the odd orders.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Phase {
     /// None: y_{1,·} = c·(y, z, x). This crate.
@@ -19,6 +20,7 @@ pub enum Phase {
 }
 
 /// The scale of a basis function.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Normalization {
     /// ∫ y² dω = 1. This crate.
@@ -35,6 +37,7 @@ pub enum Normalization {
 }
 
 /// Where a coefficient lies in its vector.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Layout {
     /// l(l+1) + m. This crate; ambisonics' ACN.
@@ -94,6 +97,7 @@ pub enum Layout {
 /// assert!(channels.iter().zip([1.0, 0.0, 0.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-15));
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Convention {
     /// The sign of the odd orders.

@@ -32,6 +32,7 @@ use crate::sphere::Axes;
 /// let stored = DiffuseProbe::Unity.from_radiance(&radiance);
 /// assert!((stored[0] - 1.0).abs() < 1e-15);
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum DiffuseProbe {
     /// Filament's `IndirectLight` after its constants were multiplied in: `cmgen --sh-shader`,

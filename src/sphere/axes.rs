@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use crate::{Error, Result};
 
 /// A direction along a coordinate axis.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SignedAxis {
     /// +x.
@@ -62,6 +63,11 @@ impl SignedAxis {
 /// assert_eq!(blender.to_theirs(&Vector3::y()), Vector3::z());
 /// assert_eq!(blender.to_ours(&Vector3::new(1.0, 2.0, 3.0)), Vector3::new(1.0, 3.0, -2.0));
 /// ```
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "[SignedAxis; 3]", into = "[SignedAxis; 3]")
+)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Axes([SignedAxis; 3]);
 
@@ -148,6 +154,21 @@ impl Axes {
     /// For each of their axes, our coordinate and whether it is negated.
     pub(crate) fn parts(self) -> [(usize, bool); 3] {
         self.0.map(SignedAxis::parts)
+    }
+}
+
+impl TryFrom<[SignedAxis; 3]> for Axes {
+    type Error = Error;
+
+    /// As [`new`](Axes::new).
+    fn try_from(theirs: [SignedAxis; 3]) -> Result<Self> {
+        Self::new(theirs)
+    }
+}
+
+impl From<Axes> for [SignedAxis; 3] {
+    fn from(axes: Axes) -> Self {
+        axes.theirs()
     }
 }
 

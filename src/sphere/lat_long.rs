@@ -14,10 +14,31 @@ use crate::{Error, Result};
 ///
 /// The image's centre looks along −z with +x to its right; v = 0, the top, is +y. Pixels are stored row after row from
 /// the top left: index = row · width + column.
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "[usize; 2]", into = "[usize; 2]")
+)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LatLongGrid {
     width: usize,
     height: usize,
+}
+
+impl TryFrom<[usize; 2]> for LatLongGrid {
+    type Error = Error;
+
+    /// As [`new`](LatLongGrid::new), of width and height.
+    fn try_from([width, height]: [usize; 2]) -> Result<Self> {
+        Self::new(width, height)
+    }
+}
+
+impl From<LatLongGrid> for [usize; 2] {
+    /// Width and height.
+    fn from(grid: LatLongGrid) -> Self {
+        [grid.width, grid.height]
+    }
 }
 
 impl LatLongGrid {
@@ -108,12 +129,38 @@ impl LatLongGrid {
 }
 
 /// A function of direction sampled on a [`LatLongGrid`].
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        try_from = "Unchecked<P>",
+        bound(serialize = "P: serde::Serialize", deserialize = "P: serde::Deserialize<'de>")
+    )
+)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatLongMap<P: Texel> {
     grid: LatLongGrid,
     pixels: Vec<P>,
     /// Means of the top and the bottom row: the values at the poles themselves.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     poles: [P::Wide; 2],
+}
+
+/// What a stored map says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked<P> {
+    grid: LatLongGrid,
+    pixels: Vec<P>,
+}
+
+#[cfg(feature = "serde")]
+impl<P: Texel> TryFrom<Unchecked<P>> for LatLongMap<P> {
+    type Error = Error;
+
+    fn try_from(map: Unchecked<P>) -> Result<Self> {
+        Self::new(map.grid, map.pixels)
+    }
 }
 
 impl<P: Texel> LatLongMap<P> {
@@ -230,6 +277,7 @@ super::texel::approx_by_texels!(LatLongMap, pixels);
 ///
 /// pbrt-v4 has no such images: its infinite light reads square, equal-area octahedral ones [Clarberg 2008], into which
 /// its `imgtool makeequiarea` turns a lat-long map. They are not read here.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LatLongConvention {
     /// This crate: the image's centre looks along −z.
