@@ -82,8 +82,8 @@ impl Axes {
     pub const RIGHT_HANDED_Y_UP: Self = Self([SignedAxis::PosX, SignedAxis::PosY, SignedAxis::PosZ]);
     /// Blender. Our (x, y, z) is their (x, −z, y), as its glTF exporter has it.
     pub const RIGHT_HANDED_Z_UP: Self = Self([SignedAxis::PosX, SignedAxis::NegZ, SignedAxis::PosY]);
-    /// Unity. Our (x, y, z) is their (x, y, −z): our cameras look along −z, theirs along +z. Unity's own importers
-    /// of models mirror x instead; that is this change and a half turn about y.
+    /// Unity. Our (x, y, z) is their (x, y, −z): our cameras look along −z, theirs along +z.
+    /// Importers that mirror x instead differ from this by a half turn about y.
     pub const LEFT_HANDED_Y_UP: Self = Self([SignedAxis::PosX, SignedAxis::PosY, SignedAxis::NegZ]);
     /// Unreal. Our (x, y, z) is their (x, z, y).
     pub const LEFT_HANDED_Z_UP: Self = Self([SignedAxis::PosX, SignedAxis::PosZ, SignedAxis::PosY]);

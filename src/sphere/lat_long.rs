@@ -289,7 +289,7 @@ pub enum LatLongConvention {
     ThreeJs,
     /// Blender's environment texture (Cycles' `direction_to_equirectangular`): the image's centre looks along +x.
     Blender,
-    /// pbrt-v3's `infinite` light, and pbrt-v2's: the image's centre looks along −x of the light's space.
+    /// pbrt-v3's `infinite` light: the image's centre looks along −x of the light's space.
     PbrtV3,
     /// Unreal's cube maps from long-lat images (`LookupLongLat`): the image's centre looks along −y.
     Unreal,
