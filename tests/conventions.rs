@@ -75,27 +75,176 @@ fn a_turned_map_shows_at_r_omega_what_was_at_omega() {
     }
 }
 
+/// Their own formulas: (u, v) of a direction in their own coordinates, v from the top.
+fn published(convention: LatLongConvention, d: &Vector3<f64>) -> (f64, f64) {
+    let (x, y, z) = (d.x, d.y, d.z);
+    let turn = 2.0 * PI;
+    match convention {
+        LatLongConvention::CentreNegZ => (0.5 + x.atan2(-z) / turn, y.acos() / PI),
+        LatLongConvention::Mitsuba => ((x.atan2(-z) / turn).rem_euclid(1.0), y.acos() / PI),
+        // equirectUv: v from the bottom.
+        LatLongConvention::ThreeJs => (z.atan2(x) / turn + 0.5, 1.0 - (y.asin() / PI + 0.5)),
+        // direction_to_equirectangular: v from the bottom.
+        LatLongConvention::Blender => (-y.atan2(x) / turn + 0.5, 1.0 - (z.atan2(x.hypot(y)) / PI + 0.5)),
+        // SphericalPhi, SphericalTheta.
+        LatLongConvention::PbrtV3 => {
+            let phi = y.atan2(x);
+            (if phi < 0.0 { phi + turn } else { phi } / turn, z.acos() / PI)
+        }
+        // LookupLongLat of the direction whose y and z TransformSideToWorldSpace has swapped.
+        LatLongConvention::Unreal => {
+            let (y, z) = (z, y);
+            ((1.0 + x.atan2(-z) / PI) / 2.0, y.acos() / PI)
+        }
+        // ToRadialCoords: v from the bottom.
+        LatLongConvention::Unity => (0.5 - z.atan2(x) * 0.5 / PI, 1.0 - (1.0 - y.acos() / PI)),
+        // SKY_COORDS: z is negated before the angle.
+        LatLongConvention::Godot => {
+            let angle = x.atan2(-z);
+            (if angle < 0.0 { angle + turn } else { angle } / turn, y.acos() / PI)
+        }
+        // mirrorCubemap, then toRectilinear.
+        LatLongConvention::Filament => {
+            let x = -x;
+            ((x.atan2(z) / PI + 1.0) * 0.5, (1.0 - y.asin() * 2.0 / PI) * 0.5)
+        }
+    }
+}
+
 #[test]
-fn maps_of_other_programs_are_ours_turned_about_y() {
-    // Their own formulas for the image column of a direction.
-    let mitsuba = |d: &Vector3<f64>| (d.x.atan2(-d.z) / (2.0 * PI)).rem_euclid(1.0);
-    let three_js = |d: &Vector3<f64>| d.z.atan2(d.x) / (2.0 * PI) + 0.5;
-    let ours = |d: &Vector3<f64>| LatLongGrid::locate(d).0;
-    type Column<'a> = &'a dyn Fn(&Vector3<f64>) -> f64;
-    let formulas: [(LatLongConvention, Column); 3] = [
-        (LatLongConvention::CentreNegZ, &ours),
-        (LatLongConvention::Mitsuba, &mitsuba),
-        (LatLongConvention::ThreeJs, &three_js),
-    ];
-    for (convention, theirs) in formulas {
-        for d in haarmonic::sphere::fibonacci_directions(50) {
-            // Our reading of the turned map in direction d: the column of R⁻¹d.
-            let (u, v) = LatLongGrid::locate(&(convention.rotation().inverse() * *d));
-            let gap = (u - theirs(&d) + 0.5).rem_euclid(1.0) - 0.5;
-            assert!(gap.abs() < 1e-15 && (v - d.y.acos() / PI).abs() < 1e-15, "{convention:?}: {u} {}", theirs(&d));
+fn maps_of_other_programs_are_ours_in_their_axes_turned_about_y() {
+    for convention in LatLongConvention::ALL {
+        for theirs in haarmonic::sphere::fibonacci_directions(50) {
+            let (u, v) = published(convention, &theirs);
+            let close = |(got_u, got_v): (f64, f64), how: &str| {
+                let gap = (got_u - u + 0.5).rem_euclid(1.0) - 0.5;
+                assert!(
+                    gap.abs() < 1e-15 && (got_v - v).abs() < 1e-15,
+                    "{convention:?} {how}: {got_u} {got_v}, {u} {v}"
+                );
+            };
+            close(convention.locate(&theirs), "located");
+            // Our reading of the turned map in direction d: the place of R⁻¹d.
+            let ours = convention.axes().to_ours(&theirs);
+            close(LatLongGrid::locate(&(convention.rotation().inverse() * ours)), "turned");
         }
     }
     assert_eq!(LatLongConvention::default().angle(), 0.0);
+}
+
+/// To the right of what one faces is up × forwards in their coordinates, by the same formula in either handedness.
+#[test]
+fn no_program_mirrors_its_image() {
+    for convention in LatLongConvention::ALL {
+        let axes = convention.axes();
+        let up = axes.to_theirs(&Vector3::y());
+        let forwards = axes.to_theirs(&(convention.rotation() * -Vector3::z()));
+        let right = if axes.is_left_handed() { up.cross(&forwards) } else { forwards.cross(&up) };
+        let (u, v) = convention.locate(&forwards);
+        assert!((u - 0.5).abs() < 1e-15 && (v - 0.5).abs() < 1e-15, "{convention:?}");
+        assert!((convention.locate(&right).0 - 0.75).abs() < 1e-15, "{convention:?}");
+        assert_eq!(convention.locate(&up).1, 0.0, "{convention:?}");
+    }
+}
+
+/// Draws docs/pictures/lat_long_conventions.png:
+/// `cargo test --all-features --test conventions -- --ignored draw`.
+#[cfg(feature = "io")]
+#[test]
+#[ignore = "writes a picture of the documentation"]
+fn draw_where_the_axes_lie() {
+    picture::draw(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/pictures/lat_long_conventions.png"));
+}
+
+#[cfg(feature = "io")]
+mod picture {
+    use haarmonic::nalgebra::{Vector2, Vector3};
+    use haarmonic::sphere::LatLongConvention;
+
+    const COLUMNS: usize = 3;
+    /// A panel without its margin, in pixels.
+    const SIZE: [usize; 2] = [320, 160];
+    const MARGIN: usize = 20;
+    const PITCH: [usize; 2] = [SIZE[0] + 2 * MARGIN, SIZE[1] + 2 * MARGIN];
+    /// x, y, z: told apart by blue–orange vision too (Okabe and Ito's vermilion, green and blue).
+    const COLOURS: [[f64; 3]; 3] = [[0.835, 0.369, 0.0], [0.0, 0.62, 0.451], [0.0, 0.447, 0.698]];
+
+    /// How far a point is inside the sign of an axis, in pixels: a disc for x, a square for y, a diamond for z.
+    fn inside(axis: usize, offset: Vector2<f64>, radius: f64) -> f64 {
+        match axis {
+            0 => radius - offset.norm(),
+            1 => radius * 0.9 - offset.amax(),
+            _ => radius * 0.9 - (offset.x.abs() + offset.y.abs()) * 0.5f64.sqrt() * 0.9,
+        }
+    }
+
+    /// Paper, frame, a line every 45° and the six signs: filled for +, hollow for −.
+    fn panel(convention: LatLongConvention, at: Vector2<f64>) -> [f64; 3] {
+        let size = Vector2::new(SIZE[0] as f64, SIZE[1] as f64);
+        let mut colour = [1.0; 3];
+        let within = (0..2).all(|i| (-0.5..=size[i] + 0.5).contains(&at[i]));
+        let cell = size.x / 8.0;
+        let on_line = |t: f64, step: f64| (t - (t / step).round() * step).abs() <= 0.5;
+        if within {
+            colour = [0.95; 3];
+            if on_line(at.x, cell) || on_line(at.y, cell) {
+                colour = [0.8; 3];
+            }
+            if on_line(at.x, size.x / 2.0) && on_line(at.y - size.y / 2.0, size.y * 2.0) || on_line(at.y, size.y) {
+                colour = [0.5; 3];
+            }
+        }
+        for axis in 0..3 {
+            for negative in [false, true] {
+                let mut d = Vector3::zeros();
+                d[axis] = if negative { -1.0 } else { 1.0 };
+                let (u, v) = convention.locate(&d);
+                // A pole is a whole row: its sign stands in the middle. The seam is in two places.
+                let us = if v == 0.0 || v == 1.0 {
+                    [0.5; 2]
+                } else {
+                    [
+                        u,
+                        if u < 0.01 {
+                            1.0
+                        } else if u > 0.99 {
+                            0.0
+                        } else {
+                            u
+                        },
+                    ]
+                };
+                for u in us {
+                    let inside = inside(axis, at - Vector2::new(u * size.x, v * size.y), 11.0);
+                    if inside > 0.0 {
+                        colour = if negative && inside > 4.0 { [1.0; 3] } else { COLOURS[axis] };
+                    }
+                }
+            }
+        }
+        colour
+    }
+
+    pub fn draw(path: &str) {
+        let rows = LatLongConvention::ALL.len().div_ceil(COLUMNS);
+        let (width, height) = (COLUMNS * PITCH[0], rows * PITCH[1]);
+        let mut pixels = Vec::with_capacity(width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let which = y / PITCH[1] * COLUMNS + x / PITCH[0];
+                // Nine samples a pixel.
+                let mut sum = Vector3::zeros();
+                for sample in 0..9 {
+                    let place = [x % PITCH[0], y % PITCH[1]].map(|p| p as f64 - MARGIN as f64);
+                    let shift = [sample % 3, sample / 3].map(|s| (s as f64 + 0.5) / 3.0);
+                    let at = Vector2::new(place[0] + shift[0], place[1] + shift[1]);
+                    sum += Vector3::from(LatLongConvention::ALL.get(which).map_or([1.0; 3], |&c| panel(c, at)));
+                }
+                pixels.push((sum / 9.0).map(|c| (c * 255.0).round() as u8).into());
+            }
+        }
+        haarmonic::io::save_png_srgb8(path, width, height, &pixels).unwrap();
+    }
 }
 
 #[test]

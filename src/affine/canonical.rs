@@ -6,6 +6,7 @@ use crate::Real;
 use crate::error::check_length;
 
 /// A mother function on [0, 1).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mother {
     /// φ: 1 on [0, 1).

@@ -16,6 +16,7 @@ use crate::{Error, Result};
 /// assert!(AffineMap::new(0.0, 0.0).is_err());
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Unchecked"))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AffineMap {
     scale: f64,
@@ -25,6 +26,23 @@ pub struct AffineMap {
 /// The range of |s|; |o| is at most the larger.
 const SMALLEST: f64 = 1e-100;
 const LARGEST: f64 = 1e100;
+
+/// What a stored map says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked {
+    scale: f64,
+    offset: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for AffineMap {
+    type Error = Error;
+
+    fn try_from(map: Unchecked) -> Result<Self> {
+        Self::new(map.scale, map.offset)
+    }
+}
 
 impl AffineMap {
     /// v ↦ v.

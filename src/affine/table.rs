@@ -4,6 +4,7 @@ use super::{Mother, canonical};
 use crate::{Error, Result};
 
 /// How the texels of a [`CanonicalTable`] are stored. All use that −½ ≤ M ≤ 1 on the stored quarter.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Quantisation {
     /// M = 1.5 x/255 − ½. Zero is exact (x = 85).
@@ -41,6 +42,7 @@ impl Quantisation {
 }
 
 /// How a [`CanonicalTable`] is read between its texels.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Filter {
     /// The texel whose centre is nearest.

@@ -11,6 +11,7 @@
 use crate::{Error, Real, Result};
 
 /// How PyWavelets lays out 2D coefficients of a full decomposition (`wavedec2(image, 'haar')`).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PyWaveletsLayout {
     /// The arrays of `wavedec2`'s list as they come: cA, then cH, cV, cD of each level, coarsest first, each row-major.

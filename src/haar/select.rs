@@ -39,12 +39,35 @@ pub enum Weighting<'a, T> {
 }
 
 /// How many terms to keep.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Unchecked"))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Keep {
     /// This number of terms; all of them, if there are fewer.
     Terms(usize),
     /// This part of the vector's length, in [0, 1], rounded up to whole terms.
     Fraction(f64),
+}
+
+/// What a stored choice says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename = "Keep")]
+enum Unchecked {
+    Terms(usize),
+    Fraction(f64),
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for Keep {
+    type Error = Error;
+
+    fn try_from(keep: Unchecked) -> Result<Self> {
+        let keep = match keep {
+            Unchecked::Terms(n) => Self::Terms(n),
+            Unchecked::Fraction(f) => Self::Fraction(f),
+        };
+        keep.check().map(|()| keep)
+    }
 }
 
 impl Keep {
@@ -101,6 +124,7 @@ impl fmt::Display for Keep {
 }
 
 /// Whether scaling functions (the first coefficient of each block) must earn their place.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ScalingTerms {
     /// They compete like any other term.
@@ -111,6 +135,7 @@ pub enum ScalingTerms {
 }
 
 /// How the channels of one coefficient make one magnitude |c|: the channels share one set of indices.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ChannelRule {
     /// √(Σ c²) over the channels: the choice then minimises the summed squared error of all of them.

@@ -6,11 +6,34 @@ use crate::error::check_length;
 use crate::{Error, Real, Result};
 
 /// The non-zero coefficients of a vector: strictly ascending flat indices and their values.
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked<T>", bound(deserialize = "T: Real + serde::Deserialize<'de>"))
+)]
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SparseVector<T> {
     len: usize,
     indices: Vec<u32>,
     values: Vec<T>,
+}
+
+/// What a stored vector says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked<T> {
+    len: usize,
+    indices: Vec<u32>,
+    values: Vec<T>,
+}
+
+#[cfg(feature = "serde")]
+impl<T: Real> TryFrom<Unchecked<T>> for SparseVector<T> {
+    type Error = Error;
+
+    fn try_from(vector: Unchecked<T>) -> Result<Self> {
+        Self::new(vector.len, vector.indices, vector.values)
+    }
 }
 
 impl<T: Real> SparseVector<T> {

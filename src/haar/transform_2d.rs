@@ -8,6 +8,7 @@ use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// One of the two Haar bases of two dimensions.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Decomposition {
     /// Square supports, three kinds of detail a level; flat index of [`Index2d`](crate::haar::Index2d). Square images.

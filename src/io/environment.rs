@@ -14,6 +14,7 @@ use crate::{Error, Result};
 /// How directions lie in the picture of an environment.
 ///
 /// Every layout is seen from inside, except for the mirror ball, which is photographed from outside.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum EnvironmentLayout {

@@ -41,6 +41,7 @@ impl MeshOptions {
 }
 
 /// What is done about faces that are wound the wrong way round, which would be lit from behind.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Winding {
     /// Faces of closed surfaces are turned, with a warning, where it is clear which side is outside.
@@ -58,6 +59,7 @@ pub enum Winding {
 
 /// The axis of a file's coordinates that points up. The mesh is turned so that it becomes +y, the house's convention,
 /// in which the light of environment maps falls from above.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Up {
     /// +x: (x, y, z) becomes (−y, x, z).

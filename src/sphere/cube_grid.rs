@@ -5,6 +5,7 @@ use nalgebra::{Unit, UnitVector3, Vector3};
 use crate::{Error, Result};
 
 /// A face of the cube, named by the axis at its centre.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Face {
     /// +X, the first face.
@@ -75,9 +76,26 @@ impl Face {
 ///
 /// Texels are stored face after face in the order of [`Face::ALL`], each face row after row from its top left:
 /// index = (face · side + y) · side + x.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "usize", into = "usize"))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct CubeGrid {
     side: usize,
+}
+
+impl TryFrom<usize> for CubeGrid {
+    type Error = Error;
+
+    /// As [`new`](CubeGrid::new), of the side.
+    fn try_from(side: usize) -> Result<Self> {
+        Self::new(side)
+    }
+}
+
+impl From<CubeGrid> for usize {
+    /// The side.
+    fn from(grid: CubeGrid) -> Self {
+        grid.side
+    }
 }
 
 impl CubeGrid {

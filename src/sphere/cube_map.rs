@@ -8,10 +8,32 @@ use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// A function of direction sampled on a [`CubeGrid`].
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Unchecked<P>", bound(deserialize = "P: Texel + serde::Deserialize<'de>"))
+)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct CubeMap<P> {
     grid: CubeGrid,
     texels: Vec<P>,
+}
+
+/// What a stored map says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked<P> {
+    grid: CubeGrid,
+    texels: Vec<P>,
+}
+
+#[cfg(feature = "serde")]
+impl<P: Texel> TryFrom<Unchecked<P>> for CubeMap<P> {
+    type Error = Error;
+
+    fn try_from(map: Unchecked<P>) -> Result<Self> {
+        Self::new(map.grid, map.texels)
+    }
 }
 
 impl<P: Texel> CubeMap<P> {

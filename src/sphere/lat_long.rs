@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::{Rotation3, Unit, UnitVector3, Vector3};
 use num_traits::Zero;
 
-use super::Texel;
+use super::{Axes, Texel};
 use crate::{Error, Result};
 
 /// The pixel grid of a latitude–longitude map.
@@ -14,10 +14,31 @@ use crate::{Error, Result};
 ///
 /// The image's centre looks along −z with +x to its right; v = 0, the top, is +y. Pixels are stored row after row from
 /// the top left: index = row · width + column.
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "[usize; 2]", into = "[usize; 2]")
+)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LatLongGrid {
     width: usize,
     height: usize,
+}
+
+impl TryFrom<[usize; 2]> for LatLongGrid {
+    type Error = Error;
+
+    /// As [`new`](LatLongGrid::new), of width and height.
+    fn try_from([width, height]: [usize; 2]) -> Result<Self> {
+        Self::new(width, height)
+    }
+}
+
+impl From<LatLongGrid> for [usize; 2] {
+    /// Width and height.
+    fn from(grid: LatLongGrid) -> Self {
+        [grid.width, grid.height]
+    }
 }
 
 impl LatLongGrid {
@@ -109,12 +130,38 @@ impl LatLongGrid {
 }
 
 /// A function of direction sampled on a [`LatLongGrid`].
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(
+        try_from = "Unchecked<P>",
+        bound(serialize = "P: serde::Serialize", deserialize = "P: serde::Deserialize<'de>")
+    )
+)]
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatLongMap<P: Texel> {
     grid: LatLongGrid,
     pixels: Vec<P>,
     /// Means of the top and the bottom row: the values at the poles themselves.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     poles: [P::Wide; 2],
+}
+
+/// What a stored map says of itself.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked<P> {
+    grid: LatLongGrid,
+    pixels: Vec<P>,
+}
+
+#[cfg(feature = "serde")]
+impl<P: Texel> TryFrom<Unchecked<P>> for LatLongMap<P> {
+    type Error = Error;
+
+    fn try_from(map: Unchecked<P>) -> Result<Self> {
+        Self::new(map.grid, map.pixels)
+    }
 }
 
 impl<P: Texel> LatLongMap<P> {
@@ -213,7 +260,25 @@ impl<P: Texel> LatLongMap<P> {
 
 super::texel::approx_by_texels!(LatLongMap, pixels);
 
-/// Where other programs put the centre of the same image.
+/// Where other programs put the directions of their world in the same image.
+///
+/// An image in such a program and in this crate differ in two things: the axes of the world, which [`axes`](Self::axes)
+/// names, and a turn about the vertical, which [`rotation`](Self::rotation) gives *after* the change of axes. None of
+/// them mirrors the image: seen from within a world of its own handedness, it runs from left to right in all of them.
+///
+/// | program | in its own coordinates, v from the top | centre, right of it | axes |
+/// |---|---|---|---|
+/// | [`CentreNegZ`](Self::CentreNegZ) | u = ½ + atan2(x, −z)/2π, v = acos(y)/π | −z, +x | right-handed, y up |
+/// | [`Mitsuba`](Self::Mitsuba), [`Godot`](Self::Godot), [`Filament`](Self::Filament) | u = atan2(x, −z)/2π mod 1, v = acos(y)/π | +z, −x | right-handed, y up |
+/// | [`ThreeJs`](Self::ThreeJs) | u = ½ + atan2(z, x)/2π, v = acos(y)/π | +x, +z | right-handed, y up |
+/// | [`Blender`](Self::Blender) | u = ½ − atan2(y, x)/2π, v = acos(z)/π | +x, −y | right-handed, z up |
+/// | [`Unity`](Self::Unity) | u = ½ − atan2(z, x)/2π, v = acos(y)/π | +x, −z | left-handed, y up |
+/// | [`Unreal`](Self::Unreal) | u = ½ + atan2(x, −y)/2π, v = acos(z)/π | −y, +x | left-handed, z up |
+/// | [`PbrtV3`](Self::PbrtV3) | u = atan2(y, x)/2π mod 1, v = acos(z)/π | −x, −y | left-handed, z up, before `LightToWorld` |
+///
+/// pbrt-v4 has no such images: its infinite light reads square, equal-area octahedral ones [Clarberg 2008], into which
+/// its `imgtool makeequiarea` turns a lat-long map. They are not read here.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LatLongConvention {
     /// This crate: the image's centre looks along −z.
@@ -221,24 +286,62 @@ pub enum LatLongConvention {
     CentreNegZ,
     /// Mitsuba 3's `envmap` emitter: u = atan2(x, −z)/2π mod 1, the image's centre looks along +z.
     Mitsuba,
-    /// three.js' equirectangular maps: u = ½ + atan2(z, x)/2π, the image's centre looks along +x.
+    /// three.js' equirectangular maps (`equirectUv`): u = ½ + atan2(z, x)/2π, the image's centre looks along +x.
     ThreeJs,
+    /// Blender's environment texture (Cycles' `direction_to_equirectangular`): the image's centre looks along +x.
+    Blender,
+    /// pbrt-v3's `infinite` light: the image's centre looks along −x of the light's space.
+    PbrtV3,
+    /// Unreal's cube maps from long-lat images (`LookupLongLat`): the image's centre looks along −y.
+    Unreal,
+    /// Unity's panoramic skybox (`ToRadialCoords`), unrotated: the image's centre looks along +x.
+    Unity,
+    /// Godot's panoramas (`SKY_COORDS`): the image's centre looks along +z.
+    Godot,
+    /// Filament's `cmgen`, with the mirror that is its default: the image's centre looks along +z.
+    Filament,
 }
 
 impl LatLongConvention {
-    /// The angle in radians by which that program turns the image about +y, against this crate: 0, π, −π/2.
-    ///
-    /// Derivation: all three run rightwards (from −z to +x, from +z to −x, from +x to +z), so they differ by the turn
-    /// that takes −z to the program's centre. A turn by α takes −z to (−sin α, 0, −cos α).
-    pub fn angle(self) -> f64 {
+    /// All of them, this crate's first.
+    pub const ALL: [Self; 9] = [
+        Self::CentreNegZ,
+        Self::Mitsuba,
+        Self::ThreeJs,
+        Self::Blender,
+        Self::PbrtV3,
+        Self::Unreal,
+        Self::Unity,
+        Self::Godot,
+        Self::Filament,
+    ];
+
+    /// The program's world, seen from this crate's.
+    pub const fn axes(self) -> Axes {
         match self {
-            Self::CentreNegZ => 0.0,
-            Self::Mitsuba => PI,
-            Self::ThreeJs => -FRAC_PI_2,
+            Self::CentreNegZ | Self::Mitsuba | Self::ThreeJs | Self::Godot | Self::Filament => Axes::RIGHT_HANDED_Y_UP,
+            Self::Blender => Axes::RIGHT_HANDED_Z_UP,
+            Self::PbrtV3 | Self::Unreal => Axes::LEFT_HANDED_Z_UP,
+            Self::Unity => Axes::LEFT_HANDED_Y_UP,
         }
     }
 
-    /// The turn that makes a map loaded here light the scene as it does there.
+    /// The angle in radians by which that program turns the image about our +y, against this crate, once
+    /// [`axes`](Self::axes) are ours: 0, π, −π/2 or π/2.
+    ///
+    /// Derivation: seen from our world all of them run rightwards (from −z to +x, from +z to −x, from +x to +z, from
+    /// −x to −z), so they differ by the turn that takes −z to the program's centre. A turn by α takes −z to
+    /// (−sin α, 0, −cos α).
+    pub fn angle(self) -> f64 {
+        match self {
+            Self::CentreNegZ | Self::Unreal => 0.0,
+            Self::Mitsuba | Self::Godot | Self::Filament => PI,
+            Self::ThreeJs | Self::Blender | Self::Unity => -FRAC_PI_2,
+            Self::PbrtV3 => FRAC_PI_2,
+        }
+    }
+
+    /// The turn that makes a map loaded here light the scene as it does there, the scene being in our axes.
     ///
     /// Its inverse undoes it: give it to a map that is to be shown there as it is here.
     ///
@@ -250,5 +353,27 @@ impl LatLongConvention {
     /// ```
     pub fn rotation(self) -> Rotation3<f64> {
         Rotation3::from_axis_angle(&Vector3::y_axis(), self.angle())
+    }
+
+    /// Where the program looks up a direction of its own world: u in [0, 1] from the left, v in [0, 1] from the top.
+    ///
+    /// What [`LatLongGrid::locate`] is for this crate: it says what happens to zero and NaN.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::{nalgebra::Vector3, sphere::LatLongConvention};
+    /// // Blender's −y, where its front view looks from, is a quarter to the right of the centre.
+    /// let (u, v) = LatLongConvention::Blender.locate(&-Vector3::y());
+    /// assert!((u - 0.75).abs() < 1e-15 && (v - 0.5).abs() < 1e-15);
+    /// ```
+    pub fn locate(self, theirs: &Vector3<f64>) -> (f64, f64) {
+        let d = self.axes().to_ours(theirs);
+        // The inverse turn, exactly.
+        LatLongGrid::locate(&match self {
+            Self::CentreNegZ | Self::Unreal => d,
+            Self::Mitsuba | Self::Godot | Self::Filament => Vector3::new(-d.x, d.y, -d.z),
+            Self::ThreeJs | Self::Blender | Self::Unity => Vector3::new(d.z, d.y, -d.x),
+            Self::PbrtV3 => Vector3::new(-d.z, d.y, d.x),
+        })
     }
 }

@@ -7,8 +7,11 @@
 //! | [`HemisphereDisk`] | local hemispheres in the plane, areas in proportion |
 //! | [`SphereQuadrature`] | integrals of smooth functions, exact to a stated degree |
 //!
+//! [`Axes`] and [`LatLongConvention`] say how the worlds and the images of other programs lie in this one.
+//!
 //! Maps are resampled into each other by [`Resampling`], energy kept: ∫ L dω is the same before and after.
 
+mod axes;
 mod cube_grid;
 mod cube_map;
 mod hemisphere_disk;
@@ -19,6 +22,7 @@ pub(crate) mod quadrature;
 mod resample;
 mod texel;
 
+pub use axes::{Axes, SignedAxis};
 pub use cube_grid::{CubeGrid, Face};
 pub use cube_map::CubeMap;
 pub use hemisphere_disk::HemisphereDisk;

@@ -17,6 +17,7 @@ use crate::parallel;
 /// | [`Area`](Self::Area) | yes, and locally | yes | yes | shrinking; turning at equal size |
 /// | [`Smooth`](Self::Smooth) | yes | yes | yes | the default: enlarging without blocks; else `Area` |
 /// | [`Bilinear`](Self::Bilinear) | no | yes | yes | looking at one sample a texel |
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Resampling {
     /// The mean over each destination texel of the piecewise-constant source, from exact overlaps in closed form.

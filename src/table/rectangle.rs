@@ -34,6 +34,7 @@ impl Rectangle {
 }
 
 /// What a look-up finds beyond the image, along one axis.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Outside {
     /// Nothing: f is 0 there.

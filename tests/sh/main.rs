@@ -9,6 +9,7 @@ mod exp_log;
 mod expansion;
 mod light;
 mod polygon;
+mod presets;
 mod product;
 mod project;
 mod rotate;

@@ -24,6 +24,7 @@ use crate::haar::{BinaryTree, Decomposition, Quadtree, SparseVector, inverse_1d,
 use crate::{Error, Real, Result};
 
 /// How the transformed factor of an affine product is integrated.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ProductRoute {
     /// Term by term, from the breakpoints of each.

@@ -22,6 +22,7 @@ use crate::haar::{Decomposition, Transform2d};
 use crate::{Error, Real, Result, parallel};
 
 /// How a propagation is computed; all give the same numbers to rounding.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PropagationRoute {
     /// Couplings of the source's terms: in two passes, one axis after the other (standard basis), or as products

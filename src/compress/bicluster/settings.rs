@@ -3,6 +3,7 @@
 use crate::{Error, Result};
 
 /// Where each bicluster begins; the paper chooses at random.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Seeds {
     /// The first element that is left, rows before columns.
@@ -14,6 +15,7 @@ pub enum Seeds {
 }
 
 /// Settings of [`Biclustering`](crate::compress::Biclustering).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Unchecked"))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct BiclusterSettings {
@@ -26,6 +28,24 @@ pub struct BiclusterSettings {
     /// matrix costs 8 % more than at 4,096, without groups 1 % less. Too large and there is less to do in parallel, and
     /// each step walks longer columns.
     pub group_rows: usize,
+}
+
+/// What stored settings say of themselves.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Unchecked {
+    seeds: Seeds,
+    group_rows: usize,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Unchecked> for BiclusterSettings {
+    type Error = Error;
+
+    fn try_from(Unchecked { seeds, group_rows }: Unchecked) -> Result<Self> {
+        let settings = Self { seeds, group_rows };
+        settings.check().map(|()| settings)
+    }
 }
 
 impl Default for BiclusterSettings {

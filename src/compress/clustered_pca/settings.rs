@@ -3,6 +3,7 @@
 use crate::{Error, Result};
 
 /// Settings of [`ClusteredPca`](crate::compress::ClusteredPca).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ClusteredPcaSettings {

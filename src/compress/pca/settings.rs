@@ -1,6 +1,7 @@
 //! How to find principal components.
 
 /// What the components pass through.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Centre {
     /// The mean of the rows: components describe deviations from it.
@@ -12,6 +13,7 @@ pub enum Centre {
 }
 
 /// How components are found.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PcaMethod {
     /// [`Exact`](Self::Exact) where the smaller side of the matrix is at most twice the sketch, otherwise
@@ -26,6 +28,7 @@ pub enum PcaMethod {
 }
 
 /// Settings of [`Pca`](crate::compress::Pca).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct PcaSettings {

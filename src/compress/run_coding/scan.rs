@@ -6,6 +6,7 @@ use crate::{Error, Result};
 /// A path through the pixels of a map.
 ///
 /// On 16 × 16 blocks behind half-planes and discs, paths of neighbours save two changes in five (docs/compress.md).
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum ScanOrder {
     /// Row by row, each from the left.

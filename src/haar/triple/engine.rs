@@ -94,6 +94,7 @@ impl<'a, T> From<&'a MeanTree<T>> for Visibility<'a, T> {
 }
 
 /// How an integral is computed; both give the same number to rounding.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Route {
     /// Node by node over the details of light and BRDF.

@@ -17,6 +17,7 @@ const CELLS: usize = THETA_H * THETA_D * PHI_D;
 const SCALE: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
 /// How [`Merl`] reads between its cells.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MerlLookup {
     /// The value of the cell, as the database's own reader does.

@@ -17,6 +17,7 @@ use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Progress, Result};
 
 /// Whether a face stops light that comes from behind it.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum BackFaces {
     /// Faces occlude from both sides.
@@ -28,6 +29,7 @@ pub enum BackFaces {
 }
 
 /// How visibility is baked.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct VisibilitySettings {

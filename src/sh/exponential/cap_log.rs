@@ -13,6 +13,7 @@ use crate::sh::Basis;
 use crate::{Error, Real, Result};
 
 /// Which exp the logarithm of a disc is the inverse of.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum CapFit {

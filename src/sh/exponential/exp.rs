@@ -11,6 +11,7 @@ use crate::sh::Product;
 use crate::{Error, Real, Result};
 
 /// How exp(f) is approximated. f̂ is f without f_0, ‖f̂‖ the root of the sum of its squares.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum ExpMethod {

@@ -9,6 +9,7 @@ use crate::sh::Product;
 use crate::{Error, Real, Result};
 
 /// How a logarithm treats values that are 0 or negative, which have none.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum LogMethod {

@@ -59,6 +59,7 @@ pub enum Light<T> {
 }
 
 /// What a light's intensity means.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Measure {

@@ -16,6 +16,7 @@ pub enum DeringBy<const C: usize> {
 }
 
 /// The family from which the window is taken.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum DeringWindow {
     /// [`Window::Curvature`] [Sloan 2008, 2017]: the mildest where the light is dim everywhere and rings a little. Its

@@ -4,6 +4,7 @@ use crate::numeric::GaussLegendre;
 use crate::{Error, Result};
 
 /// What a texel's value is, and with it the rule of projection; the solid angles are exact by both.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum TexelRule {
     /// The value at its centre: Σ f y_i(centre) Ω, and y_i(centre) in reconstruction. The common choice.

@@ -24,6 +24,7 @@ use crate::sh::bands_of;
 /// Window::Hanning { width: 2.0 }.apply(&mut c);
 /// assert!(c[0] == 1.0 && (c[2] - 0.25f64).abs() < 1e-16);
 /// ```
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {

@@ -17,6 +17,7 @@ use crate::{Error, Real, Result};
 const LANES: usize = 8;
 
 /// From which sides a polygon sheds light.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Sides {
     /// Both: the order of the vertices does not matter.
