@@ -7,11 +7,11 @@ use crate::support::sheet::{PAPER, Sheet};
 
 /// What is drawn, in which look and by how much wider than usual: of what lies on the same line all is seen, like a flag.
 const DRAWN: [(&str, usize, f64); 7] = [
-    ("OL", 1, 9.0),
-    ("HYB", 2, 7.0),
-    ("PS*-2", 0, 5.0),
-    ("PS-9", 5, 3.3),
-    ("grid", 4, 1.8),
+    ("OL", 1, 7.0),
+    ("HYB", 2, 5.5),
+    ("PS*-2", 0, 4.0),
+    ("PS-9", 5, 2.8),
+    ("grid", 4, 1.6),
     ("grid, fitted discs", 3, 0.4),
     ("products", 6, -0.9),
 ];
@@ -48,7 +48,7 @@ pub fn times(measured: &[Measured]) -> Sheet {
             let found = m.rows.iter().find(|row| row.name == name).and_then(|row| Some((row, row.times?)));
             if let Some((row, [_, batch])) = found {
                 let point = Series::points(name, look, vec![[batch, row.error.min(1.0)]]);
-                let look = Look { width: 0.0, ..point.look.wider(0.8 * wider) };
+                let look = Look { width: 0.0, ..point.look.wider(0.6 * wider) };
                 series.push(Series { look, ..point }.with_notes([format!("{name}: {batch:.0} ns")]));
             }
         }

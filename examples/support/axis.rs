@@ -215,3 +215,48 @@ fn superscript(c: char) -> char {
         _ => '⁹',
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_as_people_write_them() {
+        let cases = [
+            (0.0, "0"),
+            (-0.25, "−0.25"),
+            (1000.0, "1000"),
+            (20_000.0, "20\u{a0}000"),
+            (1e6, "10⁶"),
+            (2.5e-7, "2.5·10⁻⁷"),
+            (0.001, "0.001"),
+            (9.999_999_999_9, "10"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(number(x), text, "{x}");
+        }
+    }
+
+    #[test]
+    fn ticks_are_round_and_on_the_axis() {
+        let ticks = |scale, low, high, count| {
+            Ruler::new(&Axis::between("", scale, low, high), std::iter::empty(), count)
+                .ticks()
+                .into_iter()
+                .map(number)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(ticks(Scale::Linear, -0.1, 1.0, 6), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+        assert_eq!(ticks(Scale::Log10, 0.01, 100.0, 5), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(ticks(Scale::Log10, 0.9, 11.0, 4), ["1", "2", "5", "10"]);
+        assert_eq!(ticks(Scale::Log2, 3.0, 40.0, 8), ["4", "8", "16", "32"]);
+    }
+
+    #[test]
+    fn rulers_without_points_have_a_length() {
+        for points in [vec![], vec![f64::NAN], vec![2.0], vec![-1.0, 0.0]] {
+            let ruler = Ruler::new(&Axis::new("", Scale::Log10), points.into_iter(), 5);
+            assert!(ruler.ends[0] < ruler.ends[1] && ruler.ends.iter().all(|e| e.is_finite()));
+        }
+    }
+}

@@ -7,6 +7,7 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::canvas::{Canvas, FINE};
+use super::plot::Look;
 use super::sheet::INK;
 use super::text::Type;
 
@@ -18,7 +19,15 @@ pub struct Notes {
     frame: Bounds,
     points: Vec<Bounds>,
     lines: Vec<(i32, i32)>,
-    notes: Vec<((i32, i32), String, [u8; 3])>,
+    notes: Vec<Note>,
+}
+
+/// Words, and the point that they belong to: where, how far its marker reaches, which colour.
+struct Note {
+    at: (i32, i32),
+    radius: i32,
+    text: String,
+    colour: [u8; 3],
 }
 
 impl Notes {
@@ -29,13 +38,14 @@ impl Notes {
     }
 
     /// Words at a point, in the colour of its series made darker.
-    pub fn push(&mut self, at: (i32, i32), text: &str, colour: [u8; 3]) {
-        self.notes.push((at, text.to_owned(), colour));
+    pub fn push(&mut self, at: (i32, i32), look: &Look, text: &str) {
+        let radius = (look.radius * f64::from(FINE)).ceil() as i32;
+        self.notes.push(Note { at, radius, text: text.to_owned(), colour: look.colour });
     }
 
     /// There is a marker.
-    pub fn avoid_point(&mut self, (x, y): (i32, i32)) {
-        let r = 8 * FINE;
+    pub fn avoid_point(&mut self, (x, y): (i32, i32), look: &Look) {
+        let r = ((look.radius + 1.5) * f64::from(FINE)).ceil() as i32;
         self.points.push([x - r, y - r, x + r, y + r]);
     }
 
@@ -51,11 +61,11 @@ impl Notes {
     /// Writes each where it covers least of points, lines and other words.
     pub fn draw(&self, root: &DrawingArea<Canvas<'_>, Shift>, font: Type) {
         let mut taken: Vec<Bounds> = Vec::new();
-        for (at, text, colour) in &self.notes {
-            let (x, y) = *at;
+        for Note { at: (x, y), radius, text, colour } in &self.notes {
+            let (x, y) = (*x, *y);
             let (width, height) = (font.width(text).ceil() as i32, font.size.ceil() as i32);
-            let candidates = [12, 26, 44].into_iter().flat_map(|away| {
-                let (side, up) = (away * FINE, (away - 2) * FINE);
+            let candidates = [6, 20, 38].into_iter().flat_map(|away| {
+                let (side, up) = (radius + away * FINE, radius + (away - 2) * FINE);
                 let lefts = [x + side, x - side - width, x - width / 2];
                 let tops = [y - height / 2, y - up - height, y + up];
                 lefts.into_iter().flat_map(move |left| tops.map(|top| [left, top, left + width, top + height]))
@@ -76,7 +86,7 @@ impl Notes {
             let style = ("", font.size).into_font().color(&RGBColor(r, g, b)).pos(Pos::new(HPos::Left, VPos::Center));
             // A thin line to words that are not beside their point.
             let near = (x.clamp(best[0], best[2]), y.clamp(best[1], best[3]));
-            if (near.0 - x).abs().max((near.1 - y).abs()) > 16 * FINE {
+            if (near.0 - x).abs().max((near.1 - y).abs()) > radius + 9 * FINE {
                 let line = PathElement::new(vec![(x, y), near], RGBColor(r, g, b).stroke_width(FINE as u32));
                 root.draw(&line).unwrap_or_else(|failure| panic!("drawing on a canvas failed: {failure}"));
             }

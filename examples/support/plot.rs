@@ -156,9 +156,9 @@ impl Chart {
                 for (k, &p) in scaled.iter().enumerate() {
                     if x.contains(p[0]) && y.contains(p[1]) && series.look.marker != Marker::None {
                         mark(root, &series.look, place(p));
-                        labels.avoid_point(place(p));
+                        labels.avoid_point(place(p), &series.look);
                         if let Some(note) = series.notes.get(k) {
-                            labels.push(place(p), note, series.look.colour);
+                            labels.push(place(p), &series.look, note);
                         }
                     }
                 }
@@ -329,4 +329,20 @@ fn inside(run: &[[f64; 2]], ends: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
         }
     }
     pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_cut_at_the_frame() {
+        let ends = [[0.0, 1.0], [0.0, 1.0]];
+        // Through two corners' sides, out and in again, never in.
+        assert_eq!(inside(&[[-1.0, 0.5], [2.0, 0.5]], ends), [[[0.0, 0.5], [1.0, 0.5]]]);
+        let zigzag = inside(&[[0.5, 0.5], [0.5, 2.0], [0.75, 2.0], [0.75, 0.5]], ends);
+        assert_eq!(zigzag, [[[0.5, 0.5], [0.5, 1.0]], [[0.75, 1.0], [0.75, 0.5]]]);
+        assert!(inside(&[[-1.0, 0.0], [-1.0, 1.0]], ends).is_empty());
+        assert_eq!(inside(&[[0.0, 0.0], [0.5, 0.5], [1.0, 0.0]], ends)[0].len(), 3);
+    }
 }

@@ -84,3 +84,34 @@ impl Type {
         lines
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_has_the_size_that_it_says() {
+        // The letter H: as high as the capitals of the font, standing on the baseline.
+        let (mut top, mut bottom) = (i32::MAX, i32::MIN);
+        Type::new(100.0).draw("H", |_, y, share| {
+            if share > 0.5 {
+                (top, bottom) = (top.min(y), bottom.max(y));
+            }
+        });
+        assert!((bottom + 1).abs() <= 1 && (-top - (100.0 * CAPITAL) as i32).abs() <= 1, "{top} {bottom}");
+        let font = Type::new(20.0);
+        assert!((font.width("ab") - font.width("a") - font.width("b")).abs() < 1e-3);
+        assert_eq!(font.wrap("one two", 1), ["one", "two"]);
+        assert_eq!(font.wrap("one two", 1000), ["one two"]);
+    }
+
+    #[test]
+    fn the_font_has_what_examples_write() {
+        for font in [Type::new(10.0), Type::bold(10.0)] {
+            for c in "abcXYZ0189 −×·²³⁰¹⁴⁵⁶⁷⁸⁹⁻₂≤≥≠≈∫ψµ‖|½\u{302}\u{a0}".chars()
+            {
+                assert_ne!(font.font().glyph_id(c), GlyphId(0), "{c}");
+            }
+        }
+    }
+}

@@ -39,3 +39,16 @@ impl Timer {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn median_of_odd_even_and_no_frames() {
+        let of = |times: &[f64]| Timer { milliseconds: times.to_vec() };
+        assert_eq!([of(&[3.0, 1.0, 2.0]).median(), of(&[4.0, 1.0, 3.0, 2.0]).median()], [2.0, 2.5]);
+        assert_eq!(of(&[3.0, 1.0]).first(), 3.0);
+        assert!(of(&[]).median().is_nan() && of(&[]).first().is_nan());
+    }
+}
