@@ -9,7 +9,7 @@ use crate::support::environment::Light;
 
 /// Transport maps as principal components, in one piece and clustered: error, storage and relit values.
 ///
-/// Without arguments: the built-in torus knot with 1,500 vertices under the built-in sky, pictures in out/clustered_pca.
+/// Without arguments: the built-in torus knot with 1,000 vertices under the built-in sky, pictures in out/clustered_pca.
 #[derive(Debug, Parser)]
 #[command(version, name = "clustered_pca")]
 pub struct Args {
@@ -18,7 +18,7 @@ pub struct Args {
     pub mesh: Option<PathBuf>,
 
     /// Vertices of the built-in scene
-    #[arg(long, value_name = "N", default_value_t = 1500)]
+    #[arg(long, value_name = "N", default_value_t = 1000)]
     pub vertices: usize,
 
     // What the maps are multiplied by.

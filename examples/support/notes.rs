@@ -71,7 +71,9 @@ impl Notes {
                 lefts.into_iter().flat_map(move |left| tops.map(|top| [left, top, left + width, top + height]))
             });
             let cost = |(k, b): &(usize, Bounds)| {
-                let boxes = |boxes: &[Bounds]| boxes.iter().map(|o| overlap(b, o)).sum::<i64>();
+                // With some air around.
+                let wide = [b[0] - 7 * FINE, b[1] - 2 * FINE, b[2] + 7 * FINE, b[3] + 2 * FINE];
+                let boxes = |boxes: &[Bounds]| boxes.iter().map(|o| overlap(&wide, o)).sum::<i64>();
                 let covered = self.lines.iter().filter(|p| (b[0]..b[2]).contains(&p.0) && (b[1]..b[3]).contains(&p.1));
                 let out = i64::from(b[2] - b[0]) * i64::from(b[3] - b[1]) - overlap(b, &self.frame);
                 40 * boxes(&taken)
