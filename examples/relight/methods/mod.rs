@@ -6,8 +6,6 @@ mod block_product;
 mod wavelet_double;
 mod wavelet_triple;
 
-use std::time::Instant;
-
 use haarmonic::backend::DistantRelighter;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -20,6 +18,7 @@ use crate::args::Args;
 use crate::scene::{Scene, turn};
 use crate::support::Failure;
 use crate::support::progress::Bar;
+use crate::support::timer::Timer;
 
 /// Ground truth and every method's result.
 pub struct Run {
@@ -119,9 +118,10 @@ impl Run {
         };
 
         let bar = Bar::new("ground truth");
-        let start = Instant::now();
-        let reference = stage.ground_truth(&stage.light, &TexelVisibility::Binary(&visibility), &bar)?;
-        let reference_ms = start.elapsed().as_secs_f64() * 1e3;
+        let mut timer = Timer::default();
+        let texels = TexelVisibility::Binary(&visibility);
+        let reference = timer.time(|| stage.ground_truth(&stage.light, &texels, &bar))?;
+        let reference_ms = timer.first();
         bar.finish();
         let truth = match args.truth_resolution {
             Some(side) if side != args.resolution => {
@@ -201,7 +201,7 @@ impl Stage<'_> {
     fn frames(&self, title: &'static str, count: usize, method: &mut dyn DistantRelighter) -> Result<Frames, Failure> {
         let mut radiance = Vec::new();
         let mut out = vec![Vector3::zeros(); self.scene.mesh.positions().len()];
-        let mut times = Vec::new();
+        let mut timer = Timer::default();
         let bar = Bar::new(title);
         for i in 0..count {
             let light = match i {
@@ -211,22 +211,16 @@ impl Stage<'_> {
                     self.scene.light.clone().with_rotation(rotation).to_cube(self.grid)
                 }
             };
-            let start = Instant::now();
-            method.set_light(&light)?;
-            method.relight(&self.view, &self.scene.materials, &mut out)?;
-            times.push(start.elapsed().as_secs_f64() * 1e3);
+            timer.time(|| {
+                method.set_light(&light)?;
+                method.relight(&self.view, &self.scene.materials, &mut out)
+            })?;
             if i == 0 {
                 radiance.clone_from(&out);
             }
             haarmonic::Progress::advance(&bar, i + 1, count);
         }
         bar.finish();
-        Ok(Frames { radiance, first_ms: times[0], median_ms: median(&mut times) })
+        Ok(Frames { radiance, first_ms: timer.first(), median_ms: timer.median() })
     }
-}
-
-fn median(times: &mut [f64]) -> f64 {
-    times.sort_by(f64::total_cmp);
-    let middle = times.len() / 2;
-    if times.len() % 2 == 1 { times[middle] } else { 0.5 * (times[middle - 1] + times[middle]) }
 }
