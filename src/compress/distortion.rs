@@ -1,7 +1,8 @@
 //! What compression with loss loses.
 
 use crate::numeric::SquareSum;
-use crate::{Real, parallel};
+use crate::store::{Reader, Writer};
+use crate::{Real, Result, parallel};
 
 /// How far numbers are from what compression made of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,6 +18,20 @@ pub struct Distortion {
 }
 
 impl Distortion {
+    /// Writes the section `DIST`: max f64, rms f64, relative f64.
+    pub(super) fn write(self, to: &mut Writer) -> Result<()> {
+        to.section(*b"DIST", |s| s.array(&[self.max, self.rms, self.relative]))
+    }
+
+    /// Reads what [`write`](Self::write) wrote.
+    pub(super) fn read(from: &mut Reader) -> Result<Self> {
+        let mut section = from.section(*b"DIST")?;
+        let [max, rms, relative] = [(); 3].map(|()| section.field("a distortion"));
+        let distortion = Self { max: max?, rms: rms?, relative: relative? };
+        section.end()?;
+        Ok(distortion)
+    }
+
     /// Of numbers and what is left of them, of any magnitude; all 0 if there are none. NaN in either makes `rms` NaN; a
     /// difference that overflows is infinite.
     ///

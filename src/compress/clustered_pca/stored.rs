@@ -76,10 +76,7 @@ impl<T: Real + Field> Parts for ClusteredPca<T> {
             s.array(&self.labels);
             s.array(&self.weights);
         })?;
-        to.section(*b"DIST", |s| {
-            let Distortion { max, rms, relative } = self.distortion;
-            s.array(&[max, rms, relative]);
-        })
+        self.distortion.write(to)
     }
 
     fn read(from: &mut Reader) -> Result<Self> {
@@ -96,10 +93,7 @@ impl<T: Real + Field> Parts for ClusteredPca<T> {
         let labels = section.array("labels", rows)?;
         let weights = section.array("weights", rows.saturating_mul(components))?;
         section.end()?;
-        let mut section = from.section(*b"DIST")?;
-        let [max, rms, relative] = [(); 3].map(|()| section.field("a distortion"));
-        let distortion = Distortion { max: max?, rms: rms?, relative: relative? };
-        section.end()?;
+        let distortion = Distortion::read(from)?;
         Self::from_parts(columns, components, bases, labels, weights, distortion).map_err(|e| from.wrong(e.to_string()))
     }
 }

@@ -14,30 +14,17 @@ use crate::store::parts::Parts;
 use crate::store::{Kind, Reader, Writer, check_bits};
 use crate::{Real, Result};
 
-fn write_distortion(to: &mut Writer, distortion: Distortion) -> Result<()> {
-    let Distortion { max, rms, relative } = distortion;
-    to.section(*b"DIST", |s| s.array(&[max, rms, relative]))
-}
-
-fn read_distortion(from: &mut Reader) -> Result<Distortion> {
-    let mut section = from.section(*b"DIST")?;
-    let [max, rms, relative] = [(); 3].map(|()| section.field("a distortion"));
-    let distortion = Distortion { max: max?, rms: rms?, relative: relative? };
-    section.end()?;
-    Ok(distortion)
-}
-
 impl Parts for QuantisedHalf {
     const KIND: Kind = Kind::QuantisedHalf;
 
     fn write(&self, to: &mut Writer) -> Result<()> {
         to.section(*b"BITS", |s| s.array(self.bits()))?;
-        write_distortion(to, self.distortion())
+        self.distortion().write(to)
     }
 
     fn read(from: &mut Reader) -> Result<Self> {
         let bits = from.section(*b"BITS")?.rest("numbers")?;
-        let distortion = read_distortion(from)?;
+        let distortion = Distortion::read(from)?;
         Self::from_parts(bits, distortion).map_err(|e| from.wrong(e.to_string()))
     }
 }
@@ -63,7 +50,7 @@ impl<T: Real + Field> Parts for QuantisedBytes<T> {
             s.array(self.offsets());
             s.array(self.steps());
         })?;
-        write_distortion(to, self.distortion())
+        self.distortion().write(to)
     }
 
     fn read(from: &mut Reader) -> Result<Self> {
@@ -83,7 +70,7 @@ impl<T: Real + Field> Parts for QuantisedBytes<T> {
         let mut section = from.section(*b"BLOK")?;
         let both: Vec<T> = section.rest("offsets and steps")?;
         let (offsets, steps) = both.split_at(both.len() / 2);
-        let distortion = read_distortion(from)?;
+        let distortion = Distortion::read(from)?;
         Self::from_parts(codes, columns, blocks, offsets.to_vec(), steps.to_vec(), distortion)
             .map_err(|e| from.wrong(e.to_string()))
     }
