@@ -13,6 +13,8 @@ fn cases() -> u32 {
     std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
 }
 
+use crate::pictures::exr_files::COMPRESSIONS;
+
 fn v(x: f32, y: f32, z: f32) -> Vector3<f32> {
     Vector3::new(x, y, z)
 }
@@ -1077,26 +1079,13 @@ fn mesh_files() -> Vec<(&'static str, Vec<u8>, ReadMesh)> {
 }
 
 fn image_files() -> Vec<(String, Vec<u8>)> {
-    use exr::prelude::Compression;
     let mut files = vec![
         ("a.hdr".to_owned(), encode_hdr(&picture(33, 5)).unwrap()),
         ("narrow.hdr".to_owned(), encode_hdr(&picture(3, 5)).unwrap()),
         ("a.png".to_owned(), encode_png(&picture(9, 7), 0.0).unwrap()),
         ("float.exr".to_owned(), encode_exr(&picture(9, 7)).unwrap()),
     ];
-    let compressions = [
-        Compression::Uncompressed,
-        Compression::RLE,
-        Compression::ZIP1,
-        Compression::ZIP16,
-        Compression::PIZ,
-        Compression::PXR24,
-        Compression::B44,
-        Compression::B44A,
-        Compression::DWAA(None),
-        Compression::DWAB(None),
-    ];
-    for compression in compressions {
+    for compression in COMPRESSIONS {
         files.push((format!("{compression}.exr"), exr_files::with_channels(&["R", "G", "B"], compression)));
     }
     files

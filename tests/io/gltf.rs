@@ -1,31 +1,12 @@
 //! glTF files as real writers make them: faults beside the mesh, odd containers, sparse and absent data, instances.
 
-use haarmonic::io::{Loaded, load_mesh, read_gltf};
+use haarmonic::io::{Loaded, read_gltf};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::Mesh;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-fn fault(name: &str) -> Loaded<Mesh> {
-    load_mesh(format!("{}/tests/faults/gltf/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-fn v(x: f32, y: f32, z: f32) -> Vector3<f32> {
-    Vector3::new(x, y, z)
-}
-
-/// The messages, without the name of the file.
-fn messages(loaded: &Loaded<Mesh>) -> Vec<String> {
-    loaded.warnings.iter().map(|w| format!("{}: {}", w.place, w.message)).collect()
-}
-
-#[track_caller]
-fn check(loaded: &Loaded<Mesh>, faces: usize, area: f64) {
-    let sum: f64 = loaded.value.face_areas().iter().sum();
-    assert_eq!(loaded.value.faces().len(), faces);
-    // Areas of few faces with coordinates of order 1: a few roundings of f32.
-    assert!((sum - area).abs() <= 1e-5 * area, "area {sum}, not {area}");
-}
+use crate::meshes::{check, fault, messages, v};
 
 /// Little-endian bytes of numbers.
 macro_rules! bytes {
@@ -128,7 +109,7 @@ fn glb(chunks: &[Chunk<'_>]) -> Vec<u8> {
 #[test]
 fn valid_animations_are_no_trouble() {
     for name in ["animation_pointer.gltf", "channel_without_node.gltf"] {
-        let loaded = fault(name);
+        let loaded = fault(&format!("gltf/{name}"));
         check(&loaded, 2, 4.0);
         assert_eq!(messages(&loaded), [""; 0], "{name}");
     }
@@ -136,7 +117,7 @@ fn valid_animations_are_no_trouble() {
 
 #[test]
 fn a_broken_material_is_a_warning() {
-    let loaded = fault("material_three_numbers.gltf");
+    let loaded = fault("gltf/material_three_numbers.gltf");
     check(&loaded, 2, 4.0);
     assert_eq!(
         messages(&loaded),
@@ -322,7 +303,7 @@ fn nan_in_the_json_is_null() {
 
 #[test]
 fn json_may_be_padded_with_anything_blank() {
-    check(&fault("json_padded_with_nul.glb"), 2, 4.0);
+    check(&fault("gltf/json_padded_with_nul.glb"), 2, 4.0);
     let document = Document::square();
     let text = document.json();
     let cases: [(&str, &[&str]); 7] = [
@@ -433,7 +414,7 @@ fn lengths_that_are_not_true() {
 
 #[test]
 fn sparse_positions() {
-    let loaded = fault("sparse.gltf");
+    let loaded = fault("gltf/sparse.gltf");
     check(&loaded, 2, 6.0);
     assert_eq!(loaded.value.positions()[2], v(3.0, 3.0, 0.0));
     assert_eq!(messages(&loaded), [""; 0]);
@@ -501,7 +482,7 @@ fn sparse_faults() {
 
 #[test]
 fn accessors_without_a_view_are_zeros() {
-    let loaded = fault("normals_without_view.gltf");
+    let loaded = fault("gltf/normals_without_view.gltf");
     check(&loaded, 2, 4.0);
     assert!(loaded.value.normals().iter().all(|n| *n == v(0.0, 0.0, 1.0)));
     // Positions that are all zero have no area, and indices that are all zero name one corner.
@@ -592,7 +573,7 @@ fn is_flat(mesh: &Mesh) {
 
 #[test]
 fn primitives_without_normals_are_flat() {
-    let cube = fault("cube_no_normals.gltf");
+    let cube = fault("gltf/cube_no_normals.gltf");
     check(&cube, 12, 24.0);
     is_flat(&cube.value);
     // Every face has vertices of its own.
@@ -601,7 +582,7 @@ fn primitives_without_normals_are_flat() {
     let centre = |f: &[u32; 3]| f.iter().map(|&i| cube.value.positions()[i as usize]).sum::<Vector3<f32>>();
     assert!(cube.value.faces().iter().all(|f| cube.value.normals()[f[0] as usize].dot(&centre(f)) > 0.0));
 
-    let roof = fault("roof_no_normals.gltf");
+    let roof = fault("gltf/roof_no_normals.gltf");
     is_flat(&roof.value);
     let half = 0.5f32.sqrt();
     for n in roof.value.normals() {
@@ -720,7 +701,7 @@ fn instanced(attributes: &[(&str, &[u8], u32, bool)], count: usize) -> Document 
 
 #[test]
 fn every_instance_is_read() {
-    let loaded = fault("gpu_instancing.gltf");
+    let loaded = fault("gltf/gpu_instancing.gltf");
     check(&loaded, 6, 12.0);
     assert_eq!(messages(&loaded), [""; 0]);
     assert_eq!(loaded.value.positions()[8], v(10.0, 0.0, 0.0));

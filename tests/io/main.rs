@@ -7,5 +7,6 @@ mod gltf;
 mod mesh_faults;
 mod mesh_origin;
 mod mesh_polygons;
+mod meshes;
 mod pictures;
 mod ply;

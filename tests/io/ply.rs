@@ -1,30 +1,10 @@
 //! PLY files as real writers make them: white space, values that are not declared, NaN, coordinates far from zero.
 
 use haarmonic::io::{Loaded, load_mesh, read_ply};
-use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::Mesh;
 use proptest::prelude::*;
 
-fn fault(name: &str) -> Loaded<Mesh> {
-    load_mesh(format!("{}/tests/faults/ply/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
-}
-
-fn v(x: f32, y: f32, z: f32) -> Vector3<f32> {
-    Vector3::new(x, y, z)
-}
-
-/// The messages, without the name of the file.
-fn messages(loaded: &Loaded<Mesh>) -> Vec<String> {
-    loaded.warnings.iter().map(|w| format!("{}: {}", w.place, w.message)).collect()
-}
-
-#[track_caller]
-fn check(loaded: &Loaded<Mesh>, faces: usize, area: f64) {
-    let sum: f64 = loaded.value.face_areas().iter().sum();
-    assert_eq!(loaded.value.faces().len(), faces);
-    // Areas of few faces with coordinates of order 1: a few roundings of f32.
-    assert!((sum - area).abs() <= 1e-5 * area, "area {sum}, not {area}");
-}
+use crate::meshes::{check, fault, messages, v};
 
 /// The header of a square of four vertices in two triangles.
 const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
@@ -46,7 +26,7 @@ fn is_square(body: &str, warnings: &[&str]) {
 
 #[test]
 fn elements_over_several_lines() {
-    let loaded = fault("vertex_over_lines.ply");
+    let loaded = fault("ply/vertex_over_lines.ply");
     check(&loaded, 2, 4.0);
     assert_eq!(messages(&loaded), [""; 0]);
     assert!(loaded.value.normals().iter().all(|n| *n == v(0.0, 0.0, 1.0)));
@@ -78,7 +58,7 @@ fn several_elements_in_a_line() {
 
 #[test]
 fn values_beyond_the_declared_ones_are_dropped() {
-    let loaded = fault("more_values_than_declared.ply");
+    let loaded = fault("ply/more_values_than_declared.ply");
     check(&loaded, 2, 4.0);
     assert_eq!(messages(&loaded), ["line 14: 2 lines have more values than the header declares; dropped"]);
     is_square(
@@ -120,7 +100,7 @@ fn values_that_are_missing_are_errors() {
 #[test]
 fn headers_of_many_hands() {
     for name in ["crlf_on_first_line_only.ply", "magic_with_blank.ply"] {
-        let loaded = fault(name);
+        let loaded = fault(&format!("ply/{name}"));
         check(&loaded, 2, 4.0);
         assert_eq!(messages(&loaded), [""; 0], "{name}");
     }
@@ -202,7 +182,7 @@ fn with_normals(normals: [&str; 4]) -> Loaded<Mesh> {
 
 #[test]
 fn nan_as_libraries_print_it() {
-    let loaded = fault("normal_nan_ind.ply");
+    let loaded = fault("ply/normal_nan_ind.ply");
     check(&loaded, 2, 4.0);
     assert_eq!(loaded.value.normals()[0], v(0.0, 0.0, 1.0));
     assert_eq!(messages(&loaded), ["vertex 0: 1 normal is not finite; computed from the faces"]);
@@ -242,7 +222,7 @@ fn nan_as_libraries_print_it() {
 
 #[test]
 fn vertices_without_a_face_may_be_nan() {
-    let loaded = fault("unused_nan_vertex.ply");
+    let loaded = fault("ply/unused_nan_vertex.ply");
     check(&loaded, 2, 4.0);
     assert_eq!(messages(&loaded), ["vertex 4: 1 vertex without a face left out"]);
     // In front of the others, so that indices move; and one that a face uses.
@@ -260,7 +240,7 @@ fn vertices_without_a_face_may_be_nan() {
 
 #[test]
 fn normals_that_are_all_zero() {
-    let loaded = fault("all_normals_zero.ply");
+    let loaded = fault("ply/all_normals_zero.ply");
     check(&loaded, 2, 4.0);
     assert!(loaded.value.normals().iter().all(|n| *n == v(0.0, 0.0, 1.0)));
     let expected = [": 4 normals are missing or zero; computed from the faces"];
@@ -272,7 +252,7 @@ fn normals_that_are_all_zero() {
 
 #[test]
 fn doubles_far_from_zero_keep_their_shape() {
-    let loaded = fault("utm_double.ply");
+    let loaded = fault("ply/utm_double.ply");
     // Four decimals in the file: 5e-5 of 3, each way.
     check(&loaded, 80, 104.996);
     assert_eq!(loaded.warnings.len(), 1, "{:?}", messages(&loaded));

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 
 use crate::scene::{Materials, View};
 use crate::sphere::{CubeGrid, CubeMap};
+use crate::store::SectionReader;
 use crate::{Error, Result};
 
 /// What may change from one frame to the next.
@@ -85,4 +86,20 @@ pub trait DistantRelighter: Send {
 /// Checks that there is what is needed for each vertex of a mesh.
 pub(in crate::backend) fn check_vertices(what: &'static str, expected: usize, got: usize) -> Result<()> {
     if got == expected { Ok(()) } else { Err(Error::Length { what, expected, got }) }
+}
+
+/// The grid whose side a file names.
+#[allow(dead_code, reason = "for those methods that ask for it")]
+pub(in crate::backend) fn read_grid(section: &mut SectionReader) -> Result<CubeGrid> {
+    let side = section.count("texels of a side")?;
+    CubeGrid::new(side).map_err(|_| section.wrong(format!("{side} is not a side of a cube map")))
+}
+
+/// The same of a method that wants a power of two.
+#[allow(dead_code, reason = "for those methods that ask for it")]
+pub(in crate::backend) fn read_dyadic_grid(section: &mut SectionReader) -> Result<CubeGrid> {
+    match read_grid(section)? {
+        grid if grid.side().is_power_of_two() => Ok(grid),
+        grid => Err(section.wrong(format!("{} is not a side of a cube map", grid.side()))),
+    }
 }

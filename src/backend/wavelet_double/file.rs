@@ -9,8 +9,8 @@
 use super::block::{BLOCK, Block, Values};
 use super::transport::Transport;
 use crate::Result;
+use crate::backend::distant::read_dyadic_grid;
 use crate::scene::View;
-use crate::sphere::CubeGrid;
 use crate::store::parts::Parts;
 use crate::store::{Kind, Reader, Writer};
 
@@ -53,10 +53,8 @@ impl Parts for Transport {
 
     fn read(from: &mut Reader) -> Result<Self> {
         let mut size = from.section(*b"SIZE")?;
-        let (side, vertices) = (size.count("texels of a side")?, size.count("vertices")?);
+        let (grid, vertices) = (read_dyadic_grid(&mut size)?, size.count("vertices")?);
         let (kind, place) = (size.field("a kind of view")?, size.array("a view", 3)?);
-        let grid = CubeGrid::new(side).ok().filter(|grid| grid.side().is_power_of_two());
-        let grid = grid.ok_or_else(|| size.wrong(format!("{side} is not a side of a cube map")))?;
         let view = match kind {
             0 => None,
             _ => Some(View::from_parts(kind, [place[0], place[1], place[2]]).ok_or_else(|| size.wrong("is no view"))?),

@@ -1,5 +1,6 @@
 //! The transport of a static scene: its visibility.
 
+use crate::backend::distant::read_dyadic_grid;
 use crate::scene::{BinaryVisibility, VisibilityBaker};
 use crate::sphere::CubeGrid;
 use crate::store::parts::Parts;
@@ -100,9 +101,7 @@ impl Parts for Transport {
 
     fn read(from: &mut Reader) -> Result<Self> {
         let mut size = from.section(*b"SIZE")?;
-        let (side, vertices) = (size.count("texels of a side")?, size.count("vertices")?);
-        let grid = CubeGrid::new(side).ok().filter(|grid| grid.side().is_power_of_two());
-        let grid = grid.ok_or_else(|| size.wrong(format!("{side} is not a side of a cube map")))?;
+        let (grid, vertices) = (read_dyadic_grid(&mut size)?, size.count("vertices")?);
         size.end()?;
         let each = 6 * BinaryVisibility::words_per_face(grid);
         let mut words: Vec<u64> = Vec::new();

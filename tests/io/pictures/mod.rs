@@ -3,7 +3,7 @@
 mod colours;
 mod damage;
 mod environments;
-mod exr_files;
+pub mod exr_files;
 mod exr_peer;
 mod hdr;
 mod png;
