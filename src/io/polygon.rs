@@ -26,13 +26,14 @@ pub(super) enum Cut {
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
-    /// Corner numbers, three a triangle, of the last polygon unless it was a fan.
+    /// Corner numbers, three a triangle, of the last polygon; none if it stays a fan.
     pub(super) triangles: Vec<u32>,
 }
 
 impl Cutter {
     /// Cuts the polygon with these corners, four or more.
     pub(super) fn cut(&mut self, corners: &[Vector3<f64>]) -> Cut {
+        self.triangles.clear();
         let from_first = |i: usize| corners[i] - corners[0];
         let pairs = 1..corners.len() - 1;
         let areas = || pairs.clone().map(|i| from_first(i).cross(&from_first(i + 1)));
@@ -63,7 +64,6 @@ impl Cutter {
             return Cut::Crossing;
         }
         let none: [u32; 0] = [];
-        self.triangles.clear();
         self.earcut.earcut(self.flat.iter().copied(), &none, &mut self.triangles);
         let double_area = |[a, b, c]: [[f64; 2]; 3]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         let whole: f64 = pairs.map(|i| double_area([self.flat[0], self.flat[i], self.flat[i + 1]])).sum();

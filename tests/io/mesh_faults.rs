@@ -504,3 +504,15 @@ fn concave_polygons_keep_their_area() {
         assert_eq!(messages(&loaded), [""; 0], "{name}");
     }
 }
+
+/// Found by fuzzing: a polygon whose halves cancel took the triangles of the one before it, with corners that it does not have.
+#[test]
+fn a_polygon_that_cancels_has_triangles_of_its_own() {
+    let loaded = load("bow_tie_after_w.obj");
+    assert_eq!(loaded.value.faces()[3..], [[5, 6, 7], [5, 7, 8]]);
+    // A W of 3, and two halves of 2 each.
+    assert_eq!(area(&loaded.value), 7.0);
+    let message = "triangle 3, a polygon of 4 corners: the outline of 1 polygon crosses itself; the triangles cover \
+                   more or less than it encloses";
+    assert!(messages(&loaded).contains(&message.to_owned()), "{:?}", messages(&loaded));
+}
