@@ -7,4 +7,5 @@ mod corpus;
 #[path = "../support/mod.rs"]
 mod shared;
 mod wavelet;
+mod wavelet_file;
 mod wavelet_range;

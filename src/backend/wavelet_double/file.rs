@@ -56,7 +56,8 @@ impl Parts for Transport {
         let (grid, vertices) = (read_dyadic_grid(&mut size)?, size.count("vertices")?);
         let (kind, place) = (size.field("a kind of view")?, size.array("a view", 3)?);
         let view = match kind {
-            0 => None,
+            0 if place.iter().all(|x: &f64| x.to_bits() == 0) => None,
+            0 => return Err(size.wrong("has the place of a view, but no view")),
             _ => Some(View::from_parts(kind, [place[0], place[1], place[2]]).ok_or_else(|| size.wrong("is no view"))?),
         };
         size.end()?;
@@ -79,8 +80,8 @@ impl Parts for Transport {
                 bits => return Err(section.wrong(format!("{bits} is not a number of bits of a value"))),
             };
             let block = Block { vertex, weight: weight.to_vec(), columns, starts, rows, values };
-            if !block.is_consistent(left.min(BLOCK), grid.len()) {
-                return Err(section.wrong("a block contradicts itself"));
+            if let Some(fault) = block.fault(left.min(BLOCK), grid.len()) {
+                return Err(section.wrong(format!("a block contradicts itself: {fault}; bake the transport again")));
             }
             section.end()?;
             blocks.push(block);
