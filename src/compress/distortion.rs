@@ -2,7 +2,7 @@
 
 use crate::numeric::SquareSum;
 use crate::store::{Reader, Writer};
-use crate::{Real, Result, parallel};
+use crate::{Error, Real, Result, parallel};
 
 /// How far numbers are from what compression made of them.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,6 +18,14 @@ pub struct Distortion {
 }
 
 impl Distortion {
+    /// Whether it can be one: no error is NaN or below 0.
+    pub(super) fn check(self) -> Result<()> {
+        match [self.max, self.rms, self.relative].into_iter().find(|error| !(*error >= 0.0)) {
+            Some(got) => Err(Error::OutOfRange { what: "distortion", got, allowed: "at least 0" }),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the section `DIST`: max f64, rms f64, relative f64.
     pub(super) fn write(self, to: &mut Writer) -> Result<()> {
         to.section(*b"DIST", |s| s.array(&[self.max, self.rms, self.relative]))

@@ -173,4 +173,16 @@ fn parts_that_do_not_fit_are_refused() {
     assert!(matches!(bytes(vec![0.0; 2], vec![1.0, -0.5]), Err(Error::OutOfRange { .. })));
     assert!(matches!(bytes(vec![0.0, f32::MAX], vec![1.0, f32::MAX]), Err(Error::NotFinite { index: 1, .. })));
     assert!(matches!(bytes(vec![0.0, f32::NAN], vec![1.0, 0.0]), Err(Error::NotFinite { index: 1, .. })));
+
+    // Found by fuzzing: what has NaN is not what is loaded.
+    for bad in [f64::NAN, -0.5] {
+        let mut wrong = Distortion::default();
+        wrong.rms = bad;
+        let refused = [
+            ClusteredPca::from_parts(1, 0, vec![1.0], vec![0], vec![], wrong).err(),
+            QuantisedHalf::from_parts(vec![0x3c00], wrong).err(),
+            QuantisedBytes::from_parts(vec![1], 1, ByteBlocks::Rows, vec![0.0], vec![1.0], wrong).err(),
+        ];
+        assert!(refused.iter().all(|e| matches!(e, Some(Error::OutOfRange { what: "distortion", .. }))), "{refused:?}");
+    }
 }

@@ -23,7 +23,7 @@ impl<T: Real> ClusteredPca<T> {
     ///
     /// # Errors
     /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless bases are whole and there are weights for each row;
-    /// [`Error::Index`] for a label without a cluster; [`Error::NotFinite`].
+    /// [`Error::Index`] for a label without a cluster; [`Error::NotFinite`]; [`Error::OutOfRange`] for a distortion that is NaN or below 0.
     pub fn from_parts(
         columns: usize,
         components: usize,
@@ -32,6 +32,7 @@ impl<T: Real> ClusteredPca<T> {
         weights: Vec<T>,
         distortion: Distortion,
     ) -> Result<Self> {
+        distortion.check()?;
         for (what, len) in [("columns", columns), ("labels", labels.len()), ("bases", bases.len())] {
             if len == 0 {
                 return Err(Error::Empty { what });

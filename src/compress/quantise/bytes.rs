@@ -94,7 +94,8 @@ impl<T: Real> QuantisedBytes<T> {
     ///
     /// # Errors
     /// As [`new`](Self::new) for the shape; [`Error::Length`] unless every block has an offset and a step; [`Error::NotFinite`] unless these
-    /// are finite, and so is what the largest code stands for; [`Error::OutOfRange`] for a step below 0.
+    /// are finite, and so is what the largest code stands for; [`Error::OutOfRange`] for a step below 0, and a distortion that is NaN or
+    /// below 0.
     pub fn from_parts(
         codes: Vec<u8>,
         columns: usize,
@@ -103,6 +104,7 @@ impl<T: Real> QuantisedBytes<T> {
         steps: Vec<T>,
         distortion: Distortion,
     ) -> Result<Self> {
+        distortion.check()?;
         let expected = count_blocks(codes.len(), columns, blocks)?;
         for (what, got) in [("offsets of blocks", offsets.len()), ("steps of blocks", steps.len())] {
             if got != expected {

@@ -83,8 +83,9 @@ impl QuantisedHalf {
     /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that were stored.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the bits of NaN and infinity.
+    /// [`Error::NotFinite`] for the bits of NaN and infinity, [`Error::OutOfRange`] for a distortion that is NaN or below 0.
     pub fn from_parts(bits: Vec<u16>, distortion: Distortion) -> Result<Self> {
+        distortion.check()?;
         match bits.iter().position(|bits| bits >> 10 & 31 == 31) {
             Some(index) => Err(Error::NotFinite { what: "number", index }),
             None => Ok(Self { bits, distortion }),
