@@ -17,8 +17,8 @@ use super::split;
 
 /// A file of any kind; its own tag says of which, and the byte before it of which numbers.
 ///
-/// The file gets the checksum that belongs to it and, if the byte of settings is even, its sections the lengths that they
-/// have, so that damage goes beyond these.
+/// The file gets the checksum that belongs to it and, if the byte of settings is even, its sections the lengths that
+/// they have, so that damage goes beyond these.
 pub fn store(data: &[u8]) {
     let (settings, file) = split(data);
     let mut file = file.to_vec();
