@@ -38,6 +38,11 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
         let reason = format!("{width} × {height} pixels cannot come from {} bytes", bytes.len());
         return Err(report.error("header", reason));
     }
+    // On a palette that ends within a colour the decoder panics.
+    if let Some((_, palette)) = Chunks(&bytes[8..]).find(|(name, data)| name == b"PLTE" && data.len() % 3 != 0) {
+        let reason = format!("{} bytes are not three a colour; save the picture again", palette.len());
+        return Err(report.error("chunk PLTE", reason));
+    }
     let mut raw = vec![0; decoder.total_bytes() as usize];
     decoder.read_image(&mut raw).map_err(|e| report.error("pixels", e.to_string()))?;
 

@@ -120,3 +120,10 @@ fn profiles() {
         assert_all(&loaded.value, [SRGB_128; 3], 1e-6);
     }
 }
+
+/// Found by fuzzing: the decoder panics on a palette that ends within a colour.
+#[test]
+fn palettes_that_are_cut() {
+    let error = read_png(&file(128, &[("PLTE", vec![7; 13])]), "a.png").unwrap_err().to_string();
+    assert_eq!(error, "a.png, chunk PLTE: 13 bytes are not three a colour; save the picture again");
+}
