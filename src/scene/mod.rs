@@ -15,11 +15,11 @@ mod view;
 mod visibility;
 
 pub use brdf::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
-    Phong, Structure, Sum, TabulatedBrdf, Ward,
+    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Lobe, Merl,
+    MerlLookup, Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
 #[allow(unused_imports, reason = "for those back ends that ask for them")]
-pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
+pub(crate) use brdf::{Axes, Kernel, KernelVisitor, Shape, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};

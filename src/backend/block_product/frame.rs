@@ -7,9 +7,9 @@ use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::light::LightForms;
 use super::live::{Live, LiveBlocks};
-use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
+use super::lobes::{Lobe, Plan, Planner, Sampling};
 use super::products::{Cut, LobeSum, Moments};
-use super::rule::{BlockAngle, PIXELS, Rule, fixed};
+use super::rule::{BlockAngle, Rule, SampleClass, fixed};
 use super::samples::Samples;
 use super::schedule::{Group, Schedule, TOGETHER};
 use super::settings::Settings;
@@ -20,7 +20,7 @@ use super::tiles::GROUP;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::parallel;
-use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
+use crate::scene::{Axes, Kernel, KernelVisitor, Materials, Mesh, View, narrow};
 
 /// Work space of a piece of the vertices.
 #[derive(Debug, Clone)]
@@ -200,7 +200,7 @@ impl Frame<'_, '_> {
         }
         self.inputs.live.list(vertex, near, live);
         match &lobe.sampling {
-            Sampling::Pixels => cases.set(live, |_| PIXELS),
+            Sampling::Pixels => cases.set(live, |_| SampleClass::PIXELS),
             Sampling::Fixed(exponent) => {
                 let fixed = fixed(*exponent);
                 let nearest = matches!(self.inputs.settings.rule, Rule::Fixed { angle: BlockAngle::Nearest });
@@ -225,7 +225,7 @@ impl Frame<'_, '_> {
                         let centres = &directions.centres;
                         arch.dispatch(Classes { view, centres, groups, places, live, checks, cases });
                     }
-                    None => cases.set(live, |_| PIXELS),
+                    None => cases.set(live, |_| SampleClass::PIXELS),
                 }
             }
         }
@@ -243,30 +243,19 @@ impl Frame<'_, '_> {
         let is_cut = matches!(lobe.sampling, Sampling::Mirror { .. });
         let cut = is_cut.then(|| Cut { mirror: seen.mirror, least: &lobe.least });
         let run = LobeRun { frame: self, vertex, seen, cut };
-        let sum = match &lobe.model {
-            Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
-            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::CookTorrance(ggx) => ggx.facets(axes, wo).map(|facets| match facets {
-                Reflectance::Grey(k) => run.sum(k, maps, scratch),
-                Reflectance::Coloured(k) => run.sum(k, maps, scratch),
-            }),
-            Model::Other(brdf) => {
-                Some(run.sum(Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) }, maps, scratch))
-            }
-        };
+        let sum = lobe.model.visit(axes, wo, Integral { run, maps, scratch });
         Vector3::from(sum.unwrap_or_default())
     }
 
     pub(super) fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
         let mut stats = FrameStats::default();
         let blocks = self.inputs.light.layout().blocks();
-        let mut most = vec![0_u8; blocks];
+        let mut most = vec![SampleClass::NONE; blocks];
         for vertex in 0..self.inputs.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
             let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
-            most.fill(u8::from(plan.diffuse != Vector3::zeros()));
+            let is_diffuse = plan.diffuse != Vector3::zeros();
+            most.fill(if is_diffuse { SampleClass::ONE } else { SampleClass::NONE });
             for lobe in &plan.lobes {
                 self.classify(vertex, lobe, &seen, scratch);
                 for (course, class) in scratch.cases.classes() {
@@ -290,29 +279,38 @@ struct LobeRun<'r, 'f, 'a> {
     cut: Option<Cut<'r>>,
 }
 
-impl LobeRun<'_, '_, '_> {
-    fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
+/// Its integral, by whichever kernel.
+struct Integral<'r, 'f, 'a, 's, V> {
+    run: LobeRun<'r, 'f, 'a>,
+    maps: &'r V,
+    scratch: &'s mut Scratch,
+}
+
+impl<V: Visible> KernelVisitor for Integral<'_, '_, '_, '_, V> {
+    type Output = [f64; 3];
+
+    fn visit<const N: usize, K: Kernel<N>>(self, kernel: K) -> [f64; 3] {
+        let Self { run: LobeRun { frame, vertex, seen, cut }, maps, scratch } = self;
         let Scratch { samples, cases, room, .. } = scratch;
-        let Inputs { light, directions, arch, .. } = self.frame.inputs;
-        let first = self.vertex * light.layout().blocks();
-        let (normal, cut) = (self.seen.normal, self.cut);
-        let goes_on = matches!(self.frame.inputs.settings.rule, Rule::Bounded { .. });
+        let Inputs { light, directions, arch, .. } = frame.inputs;
+        let (first, normal) = (vertex * light.layout().blocks(), seen.normal);
+        let goes_on = matches!(frame.inputs.settings.rule, Rule::Bounded { .. });
         arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut, goes_on })
     }
 }
 
 /// The counts of one block.
-fn one_block(state: MapState, class: u8) -> FrameStats {
+fn one_block(state: MapState, class: SampleClass) -> FrameStats {
     let mut stats = FrameStats::default();
-    if state == MapState::AllZero || class == 0 {
+    if state == MapState::AllZero || class == SampleClass::NONE {
         stats.zero = 1;
         return stats;
     }
-    stats.samples[usize::from(class) - 1] = 1;
+    stats.samples[class.index() - 1] = 1;
     match (state, class) {
-        (_, PIXELS) => stats.pixels = 1,
+        (_, SampleClass::PIXELS) => stats.pixels = 1,
         (MapState::AllOne, _) => stats.coefficients = 1,
-        (_, 1 | 2) => stats.sums = 1,
+        (_, SampleClass::ONE | SampleClass::FOUR) => stats.sums = 1,
         _ => unreachable!("16 samples behind a partly hidden block are all pixels"),
     }
     stats

@@ -31,6 +31,8 @@ mod layout;
 mod light;
 mod live;
 mod lobes;
+mod model;
+mod parameters;
 mod paths;
 mod products;
 mod relighter;

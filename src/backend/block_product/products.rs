@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::cases::{Case, Cases};
 use super::interpolation::NODES;
 use super::light::LightForms;
-use super::samples::{Samples, Sums, reflect};
+use super::samples::{Samples, Sums, above, reflect};
 use super::schedule::{Group, TOGETHER};
 use super::suffix::{MomentSums, MomentTable, Table};
 use super::tables::Directions;
@@ -221,13 +221,8 @@ impl<const N: usize, K: Kernel<N>> Kernel<N> for Continued<K> {
     const SMOOTH: bool = true;
 
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.continued(d, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.continued(d, z)
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; N] {
+        self.0.at(d, above(up), z)
     }
 }
 
@@ -239,13 +234,8 @@ impl<const N: usize, K: Kernel<N>> Kernel<N> for Apart<K> {
     const SMOOTH: bool = true;
 
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.apart(d, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.apart(d, z)
+    fn at(&self, d: [f32; 3], up: f32, _: f32) -> [f32; N] {
+        self.0.at(d, above(up), 1.0)
     }
 }
 

@@ -60,16 +60,39 @@ impl Default for Rule {
     }
 }
 
-/// Samples of a block: none, 1, 4, 16 or all its pixels.
-pub(super) const PIXELS: u8 = 4;
+/// How many samples of reflectance a block gets, in ascending order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct SampleClass(u8);
 
-/// The classes within π/8 of the mirror direction, within π/4, and beyond [Inger 2013, appendix A]; exponents 30 and 250, of which
-/// the print says nothing, go to the finer side.
-pub(super) fn fixed(exponent: Option<f64>) -> [u8; 3] {
+impl SampleClass {
+    pub(super) const NONE: Self = Self(0);
+    pub(super) const ONE: Self = Self(1);
+    pub(super) const FOUR: Self = Self(2);
+    pub(super) const SIXTEEN: Self = Self(3);
+    /// One for every pixel.
+    pub(super) const PIXELS: Self = Self(4);
+
+    /// The class after so many others, at most 7 of them.
+    #[inline(always)]
+    pub(super) fn after(others: u32) -> Self {
+        Self(others as u8)
+    }
+
+    /// The number of classes before this one.
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        usize::from(self.0)
+    }
+}
+
+/// The classes within π/8 of the mirror direction, within π/4, and beyond [Inger 2013, appendix A]; exponents 30 and 250,
+/// of which the print says nothing, go to the finer side.
+pub(super) fn fixed(exponent: Option<f64>) -> [SampleClass; 3] {
+    const ONE: SampleClass = SampleClass::ONE;
     match exponent {
-        None => [1, 1, 1],
-        Some(s) if s < 30.0 => [2, 2, 1],
-        Some(s) if s < 250.0 => [3, 2, 1],
-        Some(_) => [PIXELS, 2, 1],
+        None => [ONE; 3],
+        Some(s) if s < 30.0 => [SampleClass::FOUR, SampleClass::FOUR, ONE],
+        Some(s) if s < 250.0 => [SampleClass::SIXTEEN, SampleClass::FOUR, ONE],
+        Some(_) => [SampleClass::PIXELS, SampleClass::FOUR, ONE],
     }
 }

@@ -84,6 +84,12 @@ impl Sums {
     }
 }
 
+/// z, or 0 below the horizon: one instruction, as NaN does not matter.
+#[inline(always)]
+pub(super) fn above(z: f32) -> f32 {
+    if z > 0.0 { z } else { 0.0 }
+}
+
 /// Reflectance × cosine of eight directions; 0 below the horizon unless it goes on smoothly.
 #[inline(always)]
 pub(super) fn reflect<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3], [x, y, z]: &Eight<3>) -> Eight<N> {
@@ -91,7 +97,7 @@ pub(super) fn reflect<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3],
     for lane in 0..GROUP {
         let d = [x[lane], y[lane], z[lane]];
         let cosine = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
-        let value = kernel.value(d, cosine);
+        let value = kernel.at(d, cosine, cosine);
         for c in 0..N {
             values[c][lane] = if K::SMOOTH || cosine > 0.0 { value[c] } else { 0.0 };
         }

@@ -18,13 +18,12 @@
 //!
 //! [`BrdfSpec`] reads the command-line forms (`phong:50+lambert:0.4`).
 
-#![allow(dead_code, unused_imports, reason = "kernels of single directions are for those back ends that ask for them")]
-
 mod ashikhmin;
 mod directions;
 mod ggx;
 mod kernel;
 mod lambert;
+mod lobe;
 mod merl;
 mod phong;
 mod spec;
@@ -39,9 +38,12 @@ use nalgebra::{Unit, Vector3};
 pub use ashikhmin::AshikhminShirley;
 pub use directions::DirectionTable;
 pub use ggx::CookTorrance;
-pub(crate) use ggx::Reflectance;
-pub(crate) use kernel::{Cosine, Eval, Kernel, narrow};
+#[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
+pub(crate) use kernel::{Kernel, narrow};
 pub use lambert::Lambert;
+pub use lobe::Lobe;
+#[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
+pub(crate) use lobe::{KernelVisitor, Shape};
 pub use merl::{Merl, MerlLookup};
 pub use phong::{BlinnPhong, Phong};
 pub use spec::BrdfSpec;
@@ -130,16 +132,8 @@ pub trait Brdf: Debug + Send + Sync {
 pub enum Structure<'a> {
     /// Nothing is known but its values.
     Opaque,
-    /// [`Lambert`].
-    Lambert(&'a Lambert),
-    /// [`Phong`].
-    Phong(&'a Phong),
-    /// [`BlinnPhong`].
-    BlinnPhong(&'a BlinnPhong),
-    /// [`Ward`].
-    Ward(&'a Ward),
-    /// [`CookTorrance`].
-    CookTorrance(&'a CookTorrance),
+    /// One lobe.
+    Lobe(Lobe),
     /// Weights and terms of a sum.
     Sum(&'a [(f64, std::sync::Arc<dyn Brdf>)]),
 }

@@ -7,7 +7,7 @@ use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product::{self as twin, Samples};
 use haarmonic::scene::{
-    AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Materials, Mesh, Phong, Structure, Sum, View, Ward,
+    AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Lobe, Materials, Mesh, Phong, Structure, Sum, View, Ward,
 };
 use haarmonic::sphere::CubeMap;
 
@@ -41,10 +41,10 @@ fn lobes() -> Vec<Arc<dyn Brdf>> {
 fn exponent(brdf: &dyn Brdf) -> Option<f64> {
     let of_slope = |alpha: [f64; 2]| 2.0 / alpha[0].min(alpha[1]).powi(2) / 4.0;
     match brdf.structure() {
-        Structure::Phong(phong) => Some(phong.exponent()),
-        Structure::BlinnPhong(phong) => Some(phong.exponent() / 4.0),
-        Structure::Ward(ward) => Some(of_slope(ward.alpha())),
-        Structure::CookTorrance(ggx) => Some(of_slope(ggx.alpha())),
+        Structure::Lobe(Lobe::Phong(phong)) => Some(phong.exponent()),
+        Structure::Lobe(Lobe::BlinnPhong(phong)) => Some(phong.exponent() / 4.0),
+        Structure::Lobe(Lobe::Ward(ward)) => Some(of_slope(ward.alpha())),
+        Structure::Lobe(Lobe::CookTorrance(ggx)) => Some(of_slope(ggx.alpha())),
         _ => None,
     }
 }

@@ -6,7 +6,7 @@ use haarmonic::backend::block_product::{BlockLayout, Relighter, Settings, Transp
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    BinaryVisibility, Brdf, EnvironmentLight, Frame, Materials, Mesh, Sky, Structure, View, VisibilityBaker,
+    BinaryVisibility, Brdf, EnvironmentLight, Frame, Lobe, Materials, Mesh, Sky, Structure, View, VisibilityBaker,
     VisibilitySettings,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
@@ -108,8 +108,8 @@ impl Axes {
 /// ρ cos of one lobe, in local coordinates: f cos above the horizon and 0 below, but for Lambert and Phong, which go on smoothly.
 pub fn reflectance(brdf: &dyn Brdf, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
     match brdf.structure() {
-        Structure::Lambert(_) => brdf.eval(&Vector3::z(), wo) * wi.z,
-        Structure::Phong(phong) => {
+        Structure::Lobe(Lobe::Lambert(_)) => brdf.eval(&Vector3::z(), wo) * wi.z,
+        Structure::Lobe(Lobe::Phong(phong)) => {
             let cosine = wi.z * wo.z - wi.x * wo.x - wi.y * wo.y;
             let lobe = if cosine > 0.0 { cosine.min(1.0).powf(phong.exponent()) } else { 0.0 };
             phong.albedo() * ((phong.exponent() + 2.0) / std::f64::consts::TAU * lobe * wi.z)

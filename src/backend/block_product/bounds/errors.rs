@@ -1,5 +1,7 @@
 //! Norms of errors and of lights, and their logarithms.
 
+use crate::backend::block_product::rule::SampleClass;
+
 /// Norms of the errors of 0, 1, 4 and 16 samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Errors {
@@ -74,7 +76,7 @@ impl Codes {
 
     /// [`class`](Self::class) of what lies between four, rounded up; the weights add up to 64.
     #[inline(always)]
-    pub(super) fn class_between(four: [&Self; 4], weights: [u64; 4], checks: &Checks, free: bool) -> u8 {
+    pub(super) fn class_between(four: [&Self; 4], weights: [u64; 4], checks: &Checks, free: bool) -> SampleClass {
         let [a, b, c, d] = four;
         let rms = Four::between([a.rms, b.rms, c.rms, d.rms], weights);
         // A block is asked for two of the three.
@@ -85,7 +87,7 @@ impl Codes {
         } else {
             checks.rms.holds(rms) | checks.mean.holds(other)
         };
-        (holds.trailing_zeros() / 16) as u8
+        SampleClass::after(holds.trailing_zeros() / 16)
     }
 
     /// What lies between four.
@@ -101,11 +103,11 @@ impl Codes {
 
     /// The fewest samples of a block, free or partly hidden: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn class(&self, checks: &Checks, free: bool) -> u8 {
+    pub(in crate::backend::block_product) fn class(&self, checks: &Checks, free: bool) -> SampleClass {
         let in_free = checks.bias.holds(self.bias) & checks.deviation.holds(self.rms);
         let in_mixed = checks.rms.holds(self.rms) | checks.mean.holds(self.mean);
         let holds = if free { in_free } else { in_mixed };
-        (holds.trailing_zeros() / 16) as u8
+        SampleClass::after(holds.trailing_zeros() / 16)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Errors of few samples, eight pixels at a time.
 
 use crate::backend::block_product::interpolation::NODES;
+use crate::backend::block_product::samples::above;
 use crate::backend::block_product::tiles::{Eight, GROUP};
 use crate::scene::Kernel;
 
@@ -50,7 +51,7 @@ pub(super) fn sums<const N: usize, K: Kernel<N>>(kernel: K, turn: &[[f32; 3]; 3]
     }
     if K::APART {
         let [x, y, z] = turned(turn, &probe.nodes[0]);
-        let values = kernel.apart([x[0], y[0], z[0]], z[0]);
+        let values = kernel.at([x[0], y[0], z[0]], above(z[0]), 1.0);
         (0..N).for_each(|c| nodes[c][0] = values[c]);
     }
     let mut values = [[[0.0_f32; GROUP]; MOST]; N];
@@ -121,7 +122,7 @@ pub(super) fn larger(a: f32, b: f32) -> f32 {
 fn shade<const N: usize, K: Kernel<N>>(kernel: K, [x, y, z]: &Eight<3>) -> Eight<N> {
     let mut values = [[0.0_f32; GROUP]; N];
     for lane in 0..GROUP {
-        let value = kernel.continued([x[lane], y[lane], z[lane]], z[lane]);
+        let value = kernel.at([x[lane], y[lane], z[lane]], above(z[lane]), z[lane]);
         for c in 0..N {
             values[c][lane] = value[c];
         }

@@ -16,8 +16,10 @@ use super::gauge::Gauge;
 use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
 use super::lanes::Probe;
 use super::lanes::{self, larger};
+use crate::backend::block_product::model::LobeModel;
+use crate::backend::block_product::rule::SampleClass;
 use crate::parallel;
-use crate::scene::{Axes, Kernel, narrow};
+use crate::scene::{Axes, Kernel, KernelVisitor, narrow};
 
 /// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
 type Entry = [[u16; 4]; 3];
@@ -43,27 +45,16 @@ pub(in crate::backend::block_product) struct WideNodes {
 }
 
 impl WideNodes {
-    /// Measures the lobe that `kernel` gives for a viewer, in the coordinates of [`local_axes`].
-    pub(in crate::backend::block_product) fn measure<const N: usize, K: Kernel<N>>(
-        gauge: &Gauge,
-        symmetry: Symmetry,
-        kernel: impl Fn(&Vector3<f64>) -> K + Sync,
-    ) -> Self {
+    /// Measures a lobe.
+    pub(in crate::backend::block_product) fn measure(gauge: &Gauge, symmetry: Symmetry, model: &LobeModel) -> Self {
         // Without any symmetry there are too many viewers to tell shapes apart.
         let groups = if symmetry == Symmetry::None { &gauge.all } else { &gauge.groups };
-        let grid = Grid::of(symmetry, groups.len(), K::APART);
-        let arch = pulp::Arch::new();
+        let grid = Grid::of(symmetry, groups.len(), model.is_opaque());
         let viewer = |node: usize| {
             let viewer = grid.viewer(node);
             let mut entries = vec![NONE; groups.len() * grid.plane()];
-            arch.dispatch(Measuring::<N, K> {
-                grid,
-                axes: viewer.axes(),
-                kernel: kernel(&viewer.wo()),
-                gauge,
-                groups,
-                entries: &mut entries,
-            });
+            let measuring = Measuring { grid, axes: viewer.axes(), gauge, groups, entries: &mut entries };
+            model.visit(&local_axes(), &viewer.wo(), measuring).expect("no viewer of a grid is below the horizon");
             entries
         };
         let nodes = (grid.elevations + 1) * grid.turns();
@@ -83,28 +74,40 @@ impl WideNodes {
 }
 
 /// The frame that kernels are measured in: normal +z, tangent +x.
-pub(in crate::backend::block_product) fn local_axes() -> Axes {
+fn local_axes() -> Axes {
     Axes::new(&crate::scene::Frame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
 }
 
 /// All places of one viewer.
-struct Measuring<'a, const N: usize, K> {
+struct Measuring<'a> {
     grid: Grid,
     axes: [Vector3<f64>; 3],
-    kernel: K,
     gauge: &'a Gauge,
     groups: &'a [Vec<Probe>],
     entries: &'a mut [Entry],
 }
 
-impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Measuring<'_, N, K> {
+impl KernelVisitor for Measuring<'_> {
+    type Output = ();
+
+    fn visit<const N: usize, K: Kernel<N>>(self, kernel: K) {
+        pulp::Arch::new().dispatch(MeasuringKernel::<N, K> { places: self, kernel });
+    }
+}
+
+struct MeasuringKernel<'a, const N: usize, K> {
+    places: Measuring<'a>,
+    kernel: K,
+}
+
+impl<const N: usize, K: Kernel<N>> pulp::WithSimd for MeasuringKernel<'_, N, K> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { grid, axes, kernel, gauge, groups, entries } = self;
+        let Self { kernel, places: Measuring { grid, axes, gauge, groups, entries } } = self;
         let mirror = axes[2];
-        let peak = kernel.value(narrow(&mirror), mirror.z as f32).into_iter().fold(0.0, larger);
+        let peak = kernel.at(narrow(&mirror), mirror.z as f32, mirror.z as f32).into_iter().fold(0.0, larger);
         for (group, entries) in entries.chunks_exact_mut(grid.plane()).enumerate() {
             for (place, entry) in entries.iter_mut().enumerate() {
                 let Some((centre, half_sine)) = grid.centre(&axes, place) else { continue };
@@ -265,7 +268,12 @@ impl WideView<'_> {
 
     /// The fewest samples of a block at a place: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn class(&self, Place(place): Place, checks: &Checks, free: bool) -> u8 {
+    pub(in crate::backend::block_product) fn class(
+        &self,
+        Place(place): Place,
+        checks: &Checks,
+        free: bool,
+    ) -> SampleClass {
         let (corners, weights) = self.corners(place);
         Codes::class_between(corners, weights, checks, free)
     }
@@ -301,7 +309,7 @@ mod tests {
     use crate::backend::block_product::interpolation::{Basis, Interpolation};
     use crate::backend::block_product::layout::BlockLayout;
     use crate::compress::ScanOrder;
-    use crate::scene::{Brdf, CookTorrance, Reflectance, Ward};
+    use crate::scene::{Brdf, CookTorrance, Lobe, Ward};
     use crate::sphere::CubeGrid;
 
     /// Numbers in [0, 1).
@@ -361,20 +369,17 @@ mod tests {
     fn a_table_is_above_what_blocks_make_and_not_far() {
         let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
         let gauge = Gauge::new(&layout, &Interpolation::new(16, Basis::Polynomial).unwrap());
-        let axes = local_axes();
         let mut all = Vec::new();
         for alpha in [[0.1; 2], [0.2; 2], [0.5; 2], [0.15, 0.4]] {
             let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
             let ggx = CookTorrance::new([1.0; 3], alpha[0], alpha[1]).unwrap();
-            let nodes = WideNodes::measure(&gauge, symmetry, |wo| match ggx.facets(&axes, wo).unwrap() {
-                Reflectance::Grey(kernel) => kernel,
-                Reflectance::Coloured(_) => unreachable!(),
-            });
-            let of_ggx = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ggx.eval(wi, wo).x / ggx.constant());
             let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
-            let nodes = WideNodes::measure(&gauge, symmetry, |wo| ward.kernel(&axes, wo).unwrap());
-            let of_ward = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ward.eval(wi, wo).x / ward.factor().x);
-            all.extend([of_ggx, of_ward]);
+            let both: [(&dyn Brdf, Lobe); 2] = [(&ggx, Lobe::CookTorrance(ggx)), (&ward, Lobe::Ward(ward))];
+            all.extend(both.map(|(brdf, lobe)| {
+                let nodes = WideNodes::measure(&gauge, symmetry, &LobeModel::Known(lobe));
+                let factor = lobe.factor().x;
+                surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| brdf.eval(wi, wo).x / factor)
+            }));
         }
         for (least, mean) in all {
             assert!(least.iter().all(|&least| least >= 0.0), "a table is too low by {least:?} octaves");
