@@ -1,4 +1,4 @@
-//! Holds the import rule of docs/architecture.md: data flows downwards through the house.
+//! Holds what docs/architecture.md says: data flows downwards through the house, and computed files are computed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -250,4 +250,9 @@ fn no_two_modules_of_a_folder_import_each_other() {
     }
     assert!(edges > 300, "found only {edges} imports");
     assert!(circles.is_empty(), "modules that import each other, and what stands on them:\n{}", circles.join("\n"));
+}
+
+#[test]
+fn computed_files_are_what_the_generator_writes() {
+    haarmonic_generate::check().unwrap();
 }

@@ -97,9 +97,9 @@ fn body(bands: usize) -> Text {
 }
 
 /// The file.
-pub fn output() -> Output {
+pub(crate) fn output() -> Output {
     let mut text = String::from(
-        "//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run --release -p haarmonic-generate`.\n\n\
+        "//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run -p haarmonic-generate`.\n\n\
          use crate::Real;\n",
     );
     for bands in 1..=MOST {

@@ -216,7 +216,7 @@ fn project(text: &mut Text, bands: usize) {
 }
 
 /// What a pair of nodes adds to a product.
-pub fn product(bands: usize) -> Text {
+pub(crate) fn product(bands: usize) -> Text {
     let mut text = Text::default();
     for factor in ["a", "b"] {
         evaluate(&mut text, bands, factor, 0..bands);
@@ -231,7 +231,7 @@ pub fn product(bands: usize) -> Text {
 }
 
 /// What a pair of nodes adds to a square.
-pub fn square(bands: usize) -> Text {
+pub(crate) fn square(bands: usize) -> Text {
     let mut text = Text::default();
     evaluate(&mut text, bands, "a", 0..bands);
     for pole in POLES {
@@ -244,7 +244,7 @@ pub fn square(bands: usize) -> Text {
 }
 
 /// What the two poles add: there only m = 0 lives.
-pub fn poles(bands: usize, factors: [&str; 2]) -> Text {
+pub(crate) fn poles(bands: usize, factors: [&str; 2]) -> Text {
     let mut text = Text::default();
     let mut evaluated = Vec::new();
     for factor in factors {

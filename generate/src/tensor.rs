@@ -113,7 +113,7 @@ fn constant_part(text: &mut Text, pairs: &mut Pairs, count: usize, gamma: f64) {
 }
 
 /// A product of `bands` bands, or a square.
-pub fn product(bands: usize, square: bool) -> Text {
+pub(crate) fn product(bands: usize, square: bool) -> Text {
     let tensor = TripleTensor::new(bands).expect("a handful of bands");
     let (mut text, count) = (Text::default(), bands * bands);
     let mut pairs = Pairs { square, pairs: HashMap::new(), sums: HashMap::new() };
