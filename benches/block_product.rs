@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use haarmonic::backend::block_product::{
-    Basis, BlockAngle, BlockLayout, LightForms, Relighter, Rule, Settings, Transport,
+    BlockAngle, BlockLayout, LightForms, Relighter, Rule, SampleBasis, Settings, Transport,
 };
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
@@ -89,7 +89,7 @@ fn main() {
     let stage = stage();
     let view = View::eye(stage.model.camera.eye().cast()).expect("a finite eye");
     let mut jobs = Jobs::default();
-    let mut forms = LightForms::new(stage.transport.layout(), Basis::default()).expect("a layout");
+    let mut forms = LightForms::new(stage.transport.layout(), SampleBasis::default()).expect("a layout");
     jobs.add("light", 1, move || forms.set(black_box(&stage.light)).expect("a finite light"));
     let vertices = stage.model.mesh.positions().len();
     for (name, specs) in MATERIALS {

@@ -28,7 +28,7 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
         let mut sums = [0; 3].map(|_| vec![T::zero(); n]);
         group.throughput(Throughput::Elements(points as u64));
         group.bench_function(BenchmarkId::new("rows", bands), |b| {
-            b.iter(|| basis.eval_rows(black_box(&x), &y, &z, black_box(&mut out)));
+            b.iter(|| basis.eval_batch(black_box(&x), &y, &z, black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("points", bands), |b| {
             b.iter(|| basis.eval_points(black_box(&x), &y, &z, black_box(&mut out)));
@@ -60,7 +60,7 @@ fn large(c: &mut Criterion) {
     for bands in [3, 4, 6, 10] {
         let basis = Basis::<f32>::new(bands).expect("a size in range");
         let mut out = vec![0.0; bands * bands * points];
-        group.bench_function(BenchmarkId::new("rows", bands), |b| b.iter(|| basis.eval_rows(&x, &y, &z, &mut out)));
+        group.bench_function(BenchmarkId::new("rows", bands), |b| b.iter(|| basis.eval_batch(&x, &y, &z, &mut out)));
         group.bench_function(BenchmarkId::new("points", bands), |b| b.iter(|| basis.eval_points(&x, &y, &z, &mut out)));
     }
     group.finish();

@@ -33,11 +33,11 @@ fn products(jobs: &mut Jobs) {
         let (a, b, mut out) = (numbers(size * count), numbers(size * count), numbers(size * count));
         let f = a.clone();
         jobs.add(format!("product batch {bands}"), count, move || {
-            product.batch(count, black_box(&a), &b, black_box(&mut out));
+            product.apply_batch(count, black_box(&a), &b, black_box(&mut out));
         });
         let mut out = f.clone();
         jobs.add(format!("square batch {bands}"), count, move || {
-            square.batch(count, black_box(&f), black_box(&mut out));
+            square.apply_batch(count, black_box(&f), black_box(&mut out));
         });
     }
 }
@@ -143,7 +143,7 @@ fn batch_rotations(jobs: &mut Jobs) {
         for count in [INPUTS, 512] {
             let (f, mut out, one) = (numbers(size * count), numbers(size * count), one.clone());
             jobs.add(format!("one rotation, {count} vectors {bands}"), count, move || {
-                one.batch(count, black_box(&f), black_box(&mut out));
+                one.apply_batch(count, black_box(&f), black_box(&mut out));
             });
         }
         let quaternions: Vec<_> = (0..INPUTS).map(|i| UnitQuaternion::from_rotation_matrix(&turn(i))).collect();
@@ -151,7 +151,7 @@ fn batch_rotations(jobs: &mut Jobs) {
         let rotator = Rotator::<f32>::new(bands).expect("bands in range");
         let (f, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS));
         jobs.add(format!("a rotation each {bands}"), INPUTS, move || {
-            rotator.batch(INPUTS, q.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
+            rotator.apply_quaternion_batch(INPUTS, q.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
         });
     }
 }
@@ -178,7 +178,7 @@ fn evaluation(jobs: &mut Jobs) {
             let [x, y, z] = [0, 1, 2].map(|k| directions.iter().map(|d| d[k] as f32).collect::<Vec<_>>());
             let (mut out, rows, [u, v, w]) = (numbers(size * count), basis.clone(), [x.clone(), y.clone(), z.clone()]);
             jobs.add(format!("eval rows, {count} points {bands}"), count, move || {
-                rows.eval_rows(black_box(&u), &v, &w, black_box(&mut out));
+                rows.eval_batch(black_box(&u), &v, &w, black_box(&mut out));
             });
             let (mut out, points) = (numbers(size * count), basis.clone());
             jobs.add(format!("eval points, {count} points {bands}"), count, move || {

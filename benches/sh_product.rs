@@ -33,10 +33,10 @@ fn forms<T: Real>(c: &mut Criterion, name: &str) {
         let (a, b, mut out) = (numbers(count * size), numbers(count * size), numbers(count * size));
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("batch", bands), |bench| {
-            bench.iter(|| product.batch(count, black_box(&a), black_box(&b), black_box(&mut out)));
+            bench.iter(|| product.apply_batch(count, black_box(&a), black_box(&b), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("square_batch", bands), |bench| {
-            bench.iter(|| square.batch(count, black_box(&a), black_box(&mut out)));
+            bench.iter(|| square.apply_batch(count, black_box(&a), black_box(&mut out)));
         });
         group.throughput(Throughput::Elements(1));
         let (a, b, out) = (&a[..size], &b[..size], &mut out[..size]);

@@ -49,18 +49,18 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
         let one = Rotation::<T>::new(bands, &turn(3)).expect("a size in range");
         let many = Rotator::<T>::new(bands).expect("a size in range");
         group.bench_function(BenchmarkId::new("one rotation", bands), |b| {
-            b.iter(|| one.batch(COUNT, black_box(&f), black_box(&mut out)));
+            b.iter(|| one.apply_batch(COUNT, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("a quaternion each", bands), |b| {
-            b.iter(|| many.batch(COUNT, q, black_box(&f), black_box(&mut out)));
+            b.iter(|| many.apply_quaternion_batch(COUNT, q, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("a matrix each", bands), |b| {
-            b.iter(|| many.batch_matrices(COUNT, r, black_box(&f), black_box(&mut out)));
+            b.iter(|| many.apply_batch(COUNT, r, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new(format!("one rotation, {SMALL} at a time"), bands), |b| {
             let size = SMALL * bands * bands;
             let (f, out) = (&f[..size], &mut out[..size]);
-            b.iter(|| (0..COUNT / SMALL).for_each(|_| one.batch(SMALL, black_box(f), black_box(out))));
+            b.iter(|| (0..COUNT / SMALL).for_each(|_| one.apply_batch(SMALL, black_box(f), black_box(out))));
         });
         let mut turned = f.clone();
         group.bench_function(BenchmarkId::new("about z", bands), |b| {

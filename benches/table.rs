@@ -8,7 +8,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use haarmonic::Real;
 use haarmonic::reference::table as twin;
 use haarmonic::table::{
-    BinaryMap, Coverage, DiskGrid, Frame, Rectangle, SummedArea, SummedAreaPlan, VisibilityDistance,
+    BinaryMap, Border, Coverage, DiskGrid, Rectangle, SummedArea, SummedAreaPlan, VisibilityDistance,
     VisibilityDistancePlan, VisibilityDistanceScratch,
 };
 
@@ -89,7 +89,7 @@ fn noise(n: usize, numbers: &mut Numbers) -> Vec<u8> {
 fn distances(c: &mut Criterion) {
     let mut group = c.benchmark_group("visibility_distance");
     for (n, count) in [(32, 256), (64, 64), (256, 4), (1024, 1)] {
-        let plan = VisibilityDistancePlan::new(n, n, Frame::Zero).unwrap();
+        let plan = VisibilityDistancePlan::new(n, n, Border::Zero).unwrap();
         let mut numbers = Numbers(1);
         let kinds: [(&str, Vec<u8>); 2] = [
             ("blobs", (0..count).flat_map(|_| blobs(n, &mut numbers)).collect()),
@@ -121,7 +121,7 @@ fn look_ups(c: &mut Criterion) {
     let grid = DiskGrid::new(32).unwrap();
     grid.mask(&mut map);
     let values: Vec<f32> = map.iter().map(|&v| f32::from(v)).collect();
-    let distances = VisibilityDistance::new([32, 32], map.as_slice(), Frame::Zero).unwrap();
+    let distances = VisibilityDistance::new([32, 32], map.as_slice(), Border::Zero).unwrap();
     let sums: SummedArea<f32> = SummedArea::new(32, 32, &values).unwrap();
     let mut numbers = Numbers(7);
     let squares: Vec<([f64; 2], f64)> =

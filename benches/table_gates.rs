@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use haarmonic::Real;
 use haarmonic::dct::BlockDct;
-use haarmonic::table::{BinaryMap, Frame, SummedAreaPlan, VisibilityDistancePlan, VisibilityDistanceScratch};
+use haarmonic::table::{BinaryMap, Border, SummedAreaPlan, VisibilityDistancePlan, VisibilityDistanceScratch};
 use haarmonic_benches::Jobs;
 
 /// The numbers of peers/tables.py, in [0, 1).
@@ -45,7 +45,7 @@ fn summed_area<T: Real>(jobs: &mut Jobs, name: &str) {
 
 fn distances(jobs: &mut Jobs) {
     for (n, count) in [(32, 256), (64, 64), (256, 4), (1024, 1)] {
-        let plan = VisibilityDistancePlan::new(n, n, Frame::Zero).expect("a size in range");
+        let plan = VisibilityDistancePlan::new(n, n, Border::Zero).expect("a size in range");
         let mut numbers = Numbers(1);
         let blobs: Vec<u8> = (0..count).flat_map(|_| numbers.blobs(n)).collect();
         let noise = (0..blobs.len()).map(|_| u8::from(numbers.next() < 0.5)).collect();

@@ -11,7 +11,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use haarmonic::Real;
 use haarmonic::haar::{
     BitPyramid, Decomposition, Factor, MaskedSum, MeanTree, NFoldProduct, Quadtree, Route, SparseVector, TripleProduct,
-    Visibility, forward_2d, rows_to_morton, upper_means,
+    Visibility, forward_2d,
 };
 use haarmonic::reference::haar as naive;
 use haarmonic::reference::haar::{NgTree, NgTripleProduct};
@@ -29,6 +29,7 @@ struct Case<T> {
 }
 
 struct Vertex<T> {
+    sparse_brdf: SparseVector<T>,
     brdf: Factor<T>,
     brdf_tree: NgTree<T>,
     brdf_quadtree: Quadtree<T>,
@@ -112,6 +113,7 @@ fn vertex<T: Real>(side: usize, k: usize, seed: usize) -> Vertex<T> {
         brdf: Factor::new([&brdf]).expect("a square"),
         brdf_tree: NgTree::new(&brdf).expect("a square"),
         brdf_quadtree: Quadtree::new(&brdf).expect("a square"),
+        sparse_brdf: brdf,
         bits: BitPyramid::from_rows(side, &rows).expect("a square"),
         rows,
         pixels,
@@ -160,19 +162,15 @@ fn pieces(c: &mut Criterion) {
     run("dot of L·V formed with B", &mut |v| masked.dot_unmasked(light, v.brdf.morton_pixels()[0]));
     let mut words = vec![0; BitPyramid::words_len(side)];
     run("row-major bits to Morton", &mut |v| {
-        rows_to_morton(side, &v.rows, &mut words);
+        BitPyramid::morton_from_rows(side, &v.rows, &mut words);
         words[3] as f64
     });
     let mut upper = vec![[0.0; 4]; BitPyramid::upper_len(side)];
     run("means of 8x8 blocks and above", &mut |v| {
-        upper_means(side, v.bits.words(), &mut upper);
+        BitPyramid::upper_from_words(side, v.bits.words(), &mut upper);
         upper[0][3].into()
     });
-    let mut means = MeanTree::<f32>::zeros(side).expect("a power of two");
-    run("decode a sparse BRDF", &mut |v| {
-        means.fill(v.brdf.nodes());
-        means.mean(0, 0).into()
-    });
+    run("factor of a sparse BRDF", &mut |v| Factor::new([&v.sparse_brdf]).expect("a square").means().mean(0, 0).into());
     let pixels: Vec<f64> = image(side, |x, y| sky(x, y, 1.0));
     run("naive twin", &mut |v| naive::product_integral(&[&pixels, &pixels, &v.pixels]));
 }

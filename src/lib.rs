@@ -128,7 +128,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! | a light in blocks, smooth reflectance | their product, cheaply | [`dct::BlockDct`], [`dct::LowProjection`] |
 //! | an image, many rectangles | the integral over each | [`table::SummedArea`] |
 //! | a visibility map, many squares | the share of each that is seen | [`table::VisibilityDistance`] |
-//! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
+//! | visibility maps, ever new lights | dot products without decoding | [`compress::CodedBinaryMaps`] |
 //! | a sparse matrix of few values | a cheaper way to multiply by it | [`compress::Biclustering`] |
 //! | rows that are alike | a few weights a row | [`compress::Pca`], [`compress::ClusteredPca`] |
 //!

@@ -42,7 +42,7 @@ pub fn transfer_matrix(mesh: &Mesh, progress: &impl Progress) -> Result<SparseMa
     let mut rows: Vec<Vec<(u32, i32)>> = vec![Vec::new(); local.len()];
     for vertex in 0..mesh.positions().len() {
         rows.iter_mut().for_each(Vec::clear);
-        let frame = mesh.frame(vertex);
+        let frame = mesh.local_frame(vertex);
         for (texel, &level) in visibility.vertex(vertex).iter().enumerate().filter(|(_, level)| **level > 0) {
             rows[nearest(&local, &frame.to_local(&texels[texel]))].push((texel as u32, i32::from(level)));
         }

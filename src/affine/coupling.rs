@@ -4,7 +4,7 @@ use super::atom::root_power;
 use super::met::{Column, Met, Row};
 use super::overlap::{integral, values_beside};
 use super::{AffineMap, Atom};
-use crate::haar::{Index2d, Kind};
+use crate::haar::{Index2d, WaveletKind};
 use crate::{Error, Result};
 
 /// Affine coupling of two atoms of any level.
@@ -246,9 +246,15 @@ impl NonzerosNonstandard {
         x.scalings(0, |_, a| y.scalings(0, |_, b| visit(0, a * b)));
         for level in 0..self.levels {
             let mut emit = |kind, x, y, value| visit(Index2d::Detail { level, kind, x, y }.flat(), value);
-            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx.offset, ty.offset, a * b)));
-            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx.offset, ty.offset, a * b)));
-            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx.offset, ty.offset, a * b)));
+            y.scalings(level, |ty, b| {
+                x.wavelets(level, |tx, a| emit(WaveletKind::Horizontal, tx.offset, ty.offset, a * b))
+            });
+            y.wavelets(level, |ty, b| {
+                x.scalings(level, |tx, a| emit(WaveletKind::Vertical, tx.offset, ty.offset, a * b))
+            });
+            y.wavelets(level, |ty, b| {
+                x.wavelets(level, |tx, a| emit(WaveletKind::Diagonal, tx.offset, ty.offset, a * b))
+            });
         }
     }
 }

@@ -13,7 +13,7 @@
 //!
 //! Sources: [Ng, Ramamoorthi & Hanrahan 2004, §5]; [Sun 2008, eq. 4.6].
 
-use super::{Index1d, Index2d, Kind};
+use super::{Index1d, Index2d, WaveletKind};
 use crate::{Error, Real, Result};
 
 /// An exact tripling coefficient: 0 or ±2^{e/2}.
@@ -126,7 +126,7 @@ pub fn tripling_2d(i: usize, j: usize, k: usize) -> Tripling {
 }
 
 /// Whether a detail is −1 on the child of column `right` and row `low`.
-fn negative(kind: Kind, right: usize, low: usize) -> bool {
+fn negative(kind: WaveletKind, right: usize, low: usize) -> bool {
     (kind as usize & (right | low << 1)).count_ones() & 1 == 1
 }
 
@@ -228,7 +228,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
         };
         let alone = match own {
             Index2d::Scaling => Some(([0, 0, 0], Tripling::power(0, false))),
-            Index2d::Detail { level, kind: Kind::Horizontal, .. } => {
+            Index2d::Detail { level, kind: WaveletKind::Horizontal, .. } => {
                 let area = 1 << (2 * level);
                 Some(([i, i + area, i + 2 * area], Tripling::power(2 * level, false)))
             }
@@ -236,7 +236,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
         };
         alone.into_iter().chain((first..levels).flat_map(move |fine| {
             let below = fine - own_level;
-            Kind::ALL.into_iter().flat_map(move |finer| {
+            WaveletKind::ALL.into_iter().flat_map(move |finer| {
                 (0..1usize << below)
                     .flat_map(move |dy| (0..1usize << below).map(move |dx| nested_2d(i, own, fine, finer, dx, dy)))
             })
@@ -245,7 +245,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
 }
 
 /// The triple of `own` and, twice, the detail of level `fine` at (dx, dy) inside it.
-fn nested_2d(i: usize, own: Index2d, fine: u32, finer: Kind, dx: usize, dy: usize) -> ([usize; 3], Tripling) {
+fn nested_2d(i: usize, own: Index2d, fine: u32, finer: WaveletKind, dx: usize, dy: usize) -> ([usize; 3], Tripling) {
     let (x, y, value) = match own {
         Index2d::Scaling => (dx, dy, Tripling::power(0, false)),
         Index2d::Detail { level, kind, x, y } => {

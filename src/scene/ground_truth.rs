@@ -211,7 +211,7 @@ struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
-        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.frame(vertex));
+        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.local_frame(vertex));
         let axes = Axes::new(&frame);
         let wo = axes.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
         Self { brdf, axes, wo }

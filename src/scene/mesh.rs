@@ -7,7 +7,7 @@ use crate::{Error, Result};
 
 /// An orthonormal right-handed frame: x = tangent, y = bitangent, z = normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frame {
+pub struct LocalFrame {
     /// Local +x.
     pub tangent: Vector3<f32>,
     /// Local +y, normal × tangent.
@@ -16,7 +16,7 @@ pub struct Frame {
     pub normal: Vector3<f32>,
 }
 
-impl Frame {
+impl LocalFrame {
     /// A frame around a normal; its tangent is arbitrary but deterministic.
     pub fn around(normal: &UnitVector3<f64>) -> Self {
         let normal = normal.cast::<f32>().into_inner();
@@ -423,9 +423,9 @@ impl Mesh {
     /// If `vertex` is out of range.
     #[track_caller]
     #[inline]
-    pub fn frame(&self, vertex: usize) -> Frame {
+    pub fn local_frame(&self, vertex: usize) -> LocalFrame {
         let (normal, tangent) = (self.normals[vertex], self.tangents[vertex]);
-        Frame { tangent, bitangent: normal.cross(&tangent), normal }
+        LocalFrame { tangent, bitangent: normal.cross(&tangent), normal }
     }
 
     /// The smallest box around the faces, relative to the origin; vertices without a face do not count.
@@ -527,7 +527,7 @@ macro_rules! approx_by_vectors {
     };
 }
 
-approx_by_vectors!(Frame, |f| [[&f.tangent], [&f.bitangent], [&f.normal]], |_a, _b| true);
+approx_by_vectors!(LocalFrame, |f| [[&f.tangent], [&f.bitangent], [&f.normal]], |_a, _b| true);
 approx_by_vectors!(Bounds, |b| [[&b.min], [&b.max]], |_a, _b| true);
 approx_by_vectors!(Mesh, |m| [&m.positions, &m.normals, &m.tangents], |a, b| a.faces == b.faces
     && a.origin == b.origin);

@@ -25,7 +25,7 @@ pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
 pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
 pub use material::Materials;
-pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
+pub use mesh::{Bounds, LocalFrame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
 pub use picture::Picture;
 pub use procedural::{Model, Procedural};

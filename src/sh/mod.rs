@@ -9,11 +9,11 @@
 //! | you have | you want | use |
 //! |---|---|---|
 //! | one direction | all y_i | [`Basis::eval`] |
-//! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
+//! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_batch`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
-//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
-//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
+//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_batch`] |
+//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_batch`] |
 //! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
 //! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
 //! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |

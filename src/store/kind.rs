@@ -44,10 +44,10 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// [`compress::BinaryMaps`](crate::compress::BinaryMaps).
-    BinaryMaps: b"MAPB", version 1, "binary maps";
-    /// [`compress::GrayMaps`](crate::compress::GrayMaps).
-    GrayMaps: b"MAPG", version 1, "gray maps";
+    /// [`compress::CodedBinaryMaps`](crate::compress::CodedBinaryMaps).
+    CodedBinaryMaps: b"MAPB", version 1, "binary maps";
+    /// [`compress::CodedGrayMaps`](crate::compress::CodedGrayMaps).
+    CodedGrayMaps: b"MAPG", version 1, "gray maps";
     /// [`compress::Biclustering`](crate::compress::Biclustering).
     Biclustering: b"BICL", version 1, "a biclustering";
     /// [`compress::Pca`](crate::compress::Pca).

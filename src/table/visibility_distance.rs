@@ -8,13 +8,13 @@ use crate::error::check_length;
 use crate::numeric::align_stack;
 use crate::{Error, Result, parallel};
 
-/// Whether the frame of a map is a boundary.
+/// Whether the border of a map is a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Frame {
+pub enum Border {
     /// It is no boundary: nothing is known of what is outside.
     #[default]
     Open,
-    /// Pixels outside are 0: the frame is a boundary of every 1 that touches it. Changes the distances of 1-pixels
+    /// Pixels outside are 0: the border is a boundary of every 1 that touches it. Changes the distances of 1-pixels
     /// only.
     Zero,
 }
@@ -41,8 +41,8 @@ pub struct VisibilityDistanceScratch {
 /// # Example
 /// ```
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// use haarmonic::table::{Frame, VisibilityDistancePlan};
-/// let plan = VisibilityDistancePlan::new(4, 1, Frame::Open)?;
+/// use haarmonic::table::{Border, VisibilityDistancePlan};
+/// let plan = VisibilityDistancePlan::new(4, 1, Border::Open)?;
 /// let mut table = [0.0; 4];
 /// plan.distances([1_u8, 1, 1, 0][..].into(), &mut table, &mut Default::default());
 /// assert_eq!(table, [2.5, 1.5, 0.5, -0.5]);
@@ -53,7 +53,7 @@ pub struct VisibilityDistanceScratch {
 pub struct VisibilityDistancePlan {
     width: usize,
     height: usize,
-    frame: Frame,
+    border: Border,
     arch: Arch,
 }
 
@@ -62,14 +62,14 @@ impl VisibilityDistancePlan {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 4(width² + height²) fits 31 bits: 16383 a side if square.
-    pub fn new(width: usize, height: usize, frame: Frame) -> Result<Self> {
+    pub fn new(width: usize, height: usize, border: Border) -> Result<Self> {
         let longest = width.max(height);
         let square = |n: usize| 4 * (n as u64).pow(2);
         if longest > 16_384 || square(width) + square(height) > i32::MAX as u64 {
             let allowed = "such that 4(width^2 + height^2) < 2^31, and no side above 16384";
             return Err(Error::OutOfRange { what: "side of a distance table", got: longest as f64, allowed });
         }
-        Ok(Self { width, height, frame, arch: Arch::new() })
+        Ok(Self { width, height, border, arch: Arch::new() })
     }
 
     /// The width of a map.
@@ -84,10 +84,10 @@ impl VisibilityDistancePlan {
         self.height
     }
 
-    /// Whether the frame is a boundary.
+    /// Whether the border is a boundary.
     #[inline]
-    pub fn frame(&self) -> Frame {
-        self.frame
+    pub fn border(&self) -> Border {
+        self.border
     }
 
     /// The number of pixels of a map.
@@ -150,9 +150,9 @@ impl VisibilityDistancePlan {
     fn run<O: FromSquare>(&self, maps: BinaryMap<'_>, out: &mut [O], scratch: &mut VisibilityDistanceScratch) {
         let count = self.count(&maps, out.len());
         scratch.buffers.resize(self.width, self.height);
-        let ring = match self.frame {
-            Frame::Open => Ring::Open,
-            Frame::Zero => Ring::Zero,
+        let ring = match self.border {
+            Border::Open => Ring::Open,
+            Border::Zero => Ring::Zero,
         };
         let (width, bound, buffers) = (self.width, self.square_bound(), &mut scratch.buffers);
         if count > 0 {

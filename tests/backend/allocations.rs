@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockAngle, BlockLayout, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, BlockLayout, Relighter, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -52,7 +52,8 @@ fn light(transport: &Transport) -> CubeMap<Vector3<f32>> {
 /// Four views, in turns of all vertices and of those of a picture.
 fn frames(model: &Model, transport: &Transport, rule: Rule) {
     let materials = materials(model);
-    let mut relighter = Relighter::new(&model.mesh, transport, Settings { rule, basis: Basis::default() }).unwrap();
+    let mut relighter =
+        Relighter::new(&model.mesh, transport, Settings { rule, basis: SampleBasis::default() }).unwrap();
     relighter.set_light(&light(transport)).unwrap();
     let mut out = vec![Vector3::zeros(); model.mesh.positions().len()];
     let eye = View::eye(model.camera.eye().cast()).unwrap();

@@ -4,8 +4,8 @@ use std::fmt::Debug;
 
 use haarmonic::Error;
 use haarmonic::compress::{
-    Bicluster, BiclusterSettings, Biclustering, BinaryMaps, ByteBlocks, ClusteredPca, ClusteredPcaSettings, Distortion,
-    GrayMaps, Pca, PcaSettings, QuantisedBytes, QuantisedHalf, SparseMatrix,
+    Bicluster, BiclusterSettings, Biclustering, ByteBlocks, ClusteredPca, ClusteredPcaSettings, CodedBinaryMaps,
+    CodedGrayMaps, Distortion, Pca, PcaSettings, QuantisedBytes, QuantisedHalf, SparseMatrix,
 };
 use haarmonic::store::{Kind, Stored};
 
@@ -63,29 +63,31 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn maps() {
-    let mut binary = BinaryMaps::<u8>::new(100).unwrap();
-    let mut wide = BinaryMaps::<u16>::new(300).unwrap();
-    let mut gray = GrayMaps::<u8>::new(64, 15).unwrap();
+    let mut binary = CodedBinaryMaps::<u8>::new(100).unwrap();
+    let mut wide = CodedBinaryMaps::<u16>::new(300).unwrap();
+    let mut gray = CodedGrayMaps::<u8>::new(64, 15).unwrap();
     for (k, numbers) in numbers(5 * 300).chunks(300).enumerate() {
         let bits: Vec<bool> = numbers.iter().map(|x| x.abs() < 0.2 * k as f64).collect();
         binary.push_bools(&bits[..100]);
         wide.push_bools(&bits);
         gray.push_levels(&numbers[..64].iter().map(|x| (x.abs() * 15.9) as u8 / 4 * 4).collect::<Vec<_>>());
     }
-    keeps(&binary, Kind::BinaryMaps);
-    keeps(&wide, Kind::BinaryMaps);
-    keeps(&gray, Kind::GrayMaps);
-    keeps(&BinaryMaps::<u8>::new(1).unwrap(), Kind::BinaryMaps);
+    keeps(&binary, Kind::CodedBinaryMaps);
+    keeps(&wide, Kind::CodedBinaryMaps);
+    keeps(&gray, Kind::CodedGrayMaps);
+    keeps(&CodedBinaryMaps::<u8>::new(1).unwrap(), Kind::CodedBinaryMaps);
     // Maps of 16-bit places are not those of 8 bits.
-    assert!(BinaryMaps::<u8>::read_from(&bytes_of(&wide)[..]).is_err());
-    assert!(GrayMaps::<u8>::read_from(&bytes_of(&binary)[..]).unwrap_err().to_string().contains("expected gray maps"));
+    assert!(CodedBinaryMaps::<u8>::read_from(&bytes_of(&wide)[..]).is_err());
+    assert!(
+        CodedGrayMaps::<u8>::read_from(&bytes_of(&binary)[..]).unwrap_err().to_string().contains("expected gray maps")
+    );
 }
 
 #[test]
 fn many_maps_take_several_sections() {
-    let mut maps = BinaryMaps::<u8>::new(8).unwrap();
+    let mut maps = CodedBinaryMaps::<u8>::new(8).unwrap();
     (0..150_000_u32).for_each(|k| maps.push_bits(&[u64::from(k % 251)]));
-    assert_eq!(BinaryMaps::read_from(&bytes_of(&maps)[..]), Ok(maps));
+    assert_eq!(CodedBinaryMaps::read_from(&bytes_of(&maps)[..]), Ok(maps));
 }
 
 #[test]

@@ -4,9 +4,8 @@ use crate::support::{assert_close, golden};
 use haarmonic::Real;
 use haarmonic::haar::{
     BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, Product1d, Product2d, Quadtree,
-    Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d,
-    rows_to_morton, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,
-    tripling_nonzeros_2d, upper_means,
+    Route, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d, tripling_1d,
+    tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d, tripling_nonzeros_2d,
 };
 use haarmonic::reference::haar as naive;
 use haarmonic::reference::haar::{NgTree, NgTripleProduct};
@@ -533,25 +532,16 @@ fn side_64_agrees_on_binary_visibility() {
 }
 
 #[test]
-fn sparse_nodes_give_their_coefficients_back() {
-    for side in [1usize, 2, 8, 32] {
-        let c: Vec<f64> = (0..side * side).map(|i| if i % 3 == 1 { 0.0 } else { i as f64 - 3.0 }).collect();
-        let nodes = SparseNodes::new([&sparse::<f64>(&c)]).unwrap();
-        assert_eq!(nodes.to_sparse(0).to_dense(), c);
-    }
-}
-
-#[test]
 fn bad_shapes_are_refused() {
     let odd = SparseVector::<f32>::new(8, vec![1], vec![1.0]).unwrap();
     let empty = SparseVector::<f32>::new(0, vec![], vec![]).unwrap();
     let four = SparseVector::<f32>::new(4, vec![], vec![]).unwrap();
     for bad in [&odd, &empty] {
-        assert!(Quadtree::new(bad).is_err() && NgTree::new(bad).is_err() && SparseNodes::new([bad]).is_err());
+        assert!(Quadtree::new(bad).is_err() && NgTree::new(bad).is_err());
         assert!(Factor::new([bad]).is_err() && MeanTree::from_sparse([bad]).is_err());
         assert!(multiply_sparse_2d(bad, bad).is_err());
     }
-    assert!(SparseNodes::new([&four, &odd]).is_err() && multiply_sparse_2d(&four, &odd).is_err());
+    assert!(Factor::new([&four, &odd]).is_err() && multiply_sparse_2d(&four, &odd).is_err());
     for side in [0, 3, 1 << 15] {
         assert!(TripleProduct::new(side).is_err() && MeanTree::<f32>::zeros(side).is_err());
         assert!(BitPyramid::zeros(side).is_err());
@@ -589,8 +579,8 @@ fn a_borrowed_pyramid_is_the_owned_one() {
     let rows: Vec<u64> = (0..16u64).map(|i| i.wrapping_mul(0x9e37_79b9_7f4a_7c15)).collect();
     let bits = BitPyramid::from_rows(32, &rows).unwrap();
     let (mut words, mut upper) = (vec![0; 16], vec![[0.0; 4]; BitPyramid::upper_len(32)]);
-    rows_to_morton(32, &rows, &mut words);
-    upper_means(32, &words, &mut upper);
+    BitPyramid::morton_from_rows(32, &rows, &mut words);
+    BitPyramid::upper_from_words(32, &words, &mut upper);
     let view = BitPyramidRef::new(32, &words, &upper);
     assert_eq!((view.words(), view.upper()), (bits.words(), bits.upper()));
     let ones: u32 = rows.iter().map(|w| w.count_ones()).sum();

@@ -2,9 +2,10 @@
 
 use approx::{AbsDiffEq, RelativeEq, assert_relative_eq};
 use haarmonic::haar::{
-    ChannelRule, Decomposition, Index1d, Index2d, Keep, Kind, PyWaveletsLayout, Pyramid, ScalingTerms, Selection,
-    SelectionScratch, SparseVector, Transform1d, Transform2d, Weighting, forward_1d, forward_2d, from_pywavelets_1d,
-    from_pywavelets_2d, inverse_1d, inverse_2d, select, to_pywavelets_1d, to_pywavelets_2d, transport_weights,
+    ChannelRule, Decomposition, Index1d, Index2d, Keep, PyWaveletsLayout, Pyramid, ScalingTerms, Selection,
+    SelectionScratch, SparseVector, Transform1d, Transform2d, WaveletKind, Weighting, forward_1d, forward_2d,
+    from_pywavelets_1d, from_pywavelets_2d, inverse_1d, inverse_2d, select, to_pywavelets_1d, to_pywavelets_2d,
+    transport_weights,
 };
 use haarmonic::{Error, Real, reference, strategies};
 use proptest::prelude::*;
@@ -283,9 +284,9 @@ fn one_hot_coefficients_are_basis_functions() {
             let inside = px / cell == x && py / cell == y;
             let (right, below) = (px % cell >= cell / 2, py % cell >= cell / 2);
             let sign = match kind {
-                Some(Kind::Horizontal) if right => -1.0,
-                Some(Kind::Vertical) if below => -1.0,
-                Some(Kind::Diagonal) if right != below => -1.0,
+                Some(WaveletKind::Horizontal) if right => -1.0,
+                Some(WaveletKind::Vertical) if below => -1.0,
+                Some(WaveletKind::Diagonal) if right != below => -1.0,
                 _ => 1.0,
             };
             assert_eq!(image[p], if inside { sign * f64::from(1u32 << level) } else { 0.0 });
@@ -393,7 +394,7 @@ fn nan_stays_within_supports() {
         assert_eq!(got[flat].is_nan(), covers, "flat {flat}");
         assert!(covers || got[flat] == want[flat]);
     }
-    let flat = Index2d::Detail { level: 2, kind: Kind::Diagonal, x: 1, y: 3 }.flat();
+    let flat = Index2d::Detail { level: 2, kind: WaveletKind::Diagonal, x: 1, y: 3 }.flat();
     let mut coefs = want.clone();
     coefs[flat] = f64::INFINITY;
     let image = inverse_2d(&coefs, n, n, NONSTANDARD).unwrap();

@@ -8,7 +8,7 @@ use haarmonic::nalgebra::{Rotation3, Unit, Vector3};
 use haarmonic::reference::scene::brdf as twin;
 use haarmonic::reference::scene::brdf::{Angles, Lobe};
 use haarmonic::scene::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Frame, Lambert, Merl,
+    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, LocalFrame, Merl,
     MerlLookup, Phong, Sum, Ward,
 };
 use haarmonic::sphere::CubeGrid;
@@ -89,9 +89,9 @@ fn direction(theta: f64, phi: f64) -> Vector3<f64> {
     Vector3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-fn frame(seed: f32) -> Frame {
+fn frame(seed: f32) -> LocalFrame {
     let r = Rotation3::from_euler_angles(seed, 2.3 * seed + 0.4, 0.7 - seed);
-    Frame { tangent: r * Vector3::x(), bitangent: r * Vector3::y(), normal: r * Vector3::z() }
+    LocalFrame { tangent: r * Vector3::x(), bitangent: r * Vector3::y(), normal: r * Vector3::z() }
 }
 
 fn angles() -> impl Strategy<Value = Angles> {
@@ -188,7 +188,7 @@ proptest! {
 
 /// The largest error of `sample_cos` in RGB over the largest value that the lobe has anywhere along these directions,
 /// and in its mirror direction.
-fn kernel_error(brdf: &dyn Brdf, frame: &Frame, wo: &Vector3<f64>, table: &DirectionTable) -> f64 {
+fn kernel_error(brdf: &dyn Brdf, frame: &LocalFrame, wo: &Vector3<f64>, table: &DirectionTable) -> f64 {
     let n = table.len();
     let mut planes = vec![f32::NAN; 3 * n];
     brdf.sample_cos(frame, wo, table, &mut planes);
@@ -301,7 +301,7 @@ fn edges_give_finite_values() {
                 }
             }
             // Odd side: texel centres lie on the axes, so these frames meet exact zeros.
-            for f in [frame(0.9), Frame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() }] {
+            for f in [frame(0.9), LocalFrame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() }] {
                 let mut planes = vec![f32::NAN; 3 * table.len()];
                 m.sample_cos(&f, &f.to_world(wi), &table, &mut planes);
                 assert!(planes.iter().all(|c| c.is_finite() && *c >= 0.0), "{m:?}, wo {wi:?}");

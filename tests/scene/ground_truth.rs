@@ -101,7 +101,7 @@ fn equals_the_naive_sum() {
         let got = truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap();
         let expected: Vec<_> = (0..n)
             .map(|v| {
-                let f = mesh.frame(v);
+                let f = mesh.local_frame(v);
                 let normal = f.normal.cast::<f64>().normalize();
                 let tangent = f.tangent.cast::<f64>();
                 let tangent = (tangent - normal * tangent.dot(&normal)).normalize();

@@ -173,20 +173,20 @@ fn batch_forms<T: Real + bits::Bits>() {
             let mut one = vec![T::nan(); n];
             let (mut rows, mut by_point) = (vec![T::nan(); n * points], vec![T::nan(); n * points]);
             let mut sums = vec![T::nan(); points];
-            basis.eval_rows(&x, &y, &z, &mut rows);
+            basis.eval_batch(&x, &y, &z, &mut rows);
             basis.eval_points(&x, &y, &z, &mut by_point);
             basis.reconstruct(&c, &x, &y, &z, &mut sums);
             let (mut values, mut slopes) = (vec![T::nan(); n], vec![Vector3::from_element(T::nan()); n]);
             let mut value_rows = rows.clone();
             let mut slope_rows = [rows.clone(), rows.clone(), rows.clone()];
             let [gx, gy, gz] = &mut slope_rows;
-            basis.gradient_rows([&x, &y, &z], &mut value_rows, [gx, gy, gz]);
+            basis.gradient_batch([&x, &y, &z], &mut value_rows, [gx, gy, gz]);
             let mut bends = vec![Matrix3::from_element(T::nan()); n];
             let (mut jet_values, mut jet_slopes) = (values.clone(), slopes.clone());
             let mut jet_value_rows = vec![T::nan(); n * points];
             let mut jet_rows: [Vec<T>; 9] = std::array::from_fn(|_| vec![T::nan(); n * points]);
             let [jx, jy, jz, xx, xy, xz, yy, yz, zz] = &mut jet_rows;
-            basis.hessian_rows([&x, &y, &z], &mut jet_value_rows, [jx, jy, jz], [xx, xy, xz, yy, yz, zz]);
+            basis.hessian_batch([&x, &y, &z], &mut jet_value_rows, [jx, jy, jz], [xx, xy, xz, yy, yz, zz]);
             for p in 0..points {
                 let d = Vector3::new(x[p], y[p], z[p]);
                 basis.eval(&d, &mut one);
@@ -444,7 +444,7 @@ fn wrong_lengths_panic() {
     let basis = Basis::<f64>::new(2).unwrap();
     let fails = |f: &dyn Fn()| std::panic::catch_unwind(std::panic::AssertUnwindSafe(f)).is_err();
     assert!(fails(&|| basis.eval(&Vector3::z(), &mut [0.0; 3])));
-    assert!(fails(&|| basis.eval_rows(&[0.0], &[0.0, 1.0], &[1.0], &mut [0.0; 4])));
+    assert!(fails(&|| basis.eval_batch(&[0.0], &[0.0, 1.0], &[1.0], &mut [0.0; 4])));
     assert!(fails(&|| basis.eval_points(&[0.0], &[0.0], &[1.0], &mut [0.0; 5])));
     assert!(fails(&|| basis.reconstruct(&[0.0; 4], &[0.0], &[0.0], &[1.0], &mut [0.0; 2])));
     assert!(fails(&|| basis.accumulate(&[0.0], &[0.0], &[1.0], [&[]], [&mut [0.0; 4]])));

@@ -404,7 +404,7 @@ fn batches_have_the_bits_of_single_vectors() {
                 for method in methods() {
                     let plan = Exponential::<T>::new(bands, method).unwrap();
                     let (mut out, mut scratch) = (vec![T::one(); rows.len()], vec![T::nan(); plan.scratch_len()]);
-                    plan.batch(count, &rows, &mut out, &mut scratch);
+                    plan.apply_batch(count, &rows, &mut out, &mut scratch);
                     for (v, f) in vectors.iter().enumerate() {
                         let single: Vec<u64> = exp::<T>(f, method).iter().map(|x| x.widen().to_bits()).collect();
                         let column: Vec<u64> = out[v..].iter().step_by(count).map(|x| x.widen().to_bits()).collect();
@@ -414,7 +414,7 @@ fn batches_have_the_bits_of_single_vectors() {
                 let grid = GridFunction::<T>::new(bands).unwrap();
                 let (mut out, mut single) = (vec![T::one(); rows.len()], vec![T::one(); bands * bands]);
                 let h = |x: T| x * x - x;
-                grid.batch(count, &rows, h, &mut out);
+                grid.apply_batch(count, &rows, h, &mut out);
                 for (v, f) in vectors.iter().enumerate().filter(|(_, f)| !f[0].is_nan()) {
                     grid.apply(&narrow::<T>(f), h, &mut single);
                     assert!(out[v..].iter().step_by(count).eq(&single), "grid, bands {bands}, vector {v} of {count}");
@@ -582,7 +582,7 @@ fn zonal_logarithms_are_logarithms() {
 #[test]
 fn tables_of_discs_are_the_logarithms_of_discs() {
     for bands in [1, 2, 3, 4, 6, 7] {
-        let table = CapLog::<f64>::new(bands, CapFit::default()).unwrap();
+        let table = CapLog::new(bands, CapFit::default()).unwrap();
         let log = Logarithm::new(bands, LogMethod::default()).unwrap();
         let (mut got, mut want) = (vec![0.0; bands], vec![0.0; bands]);
         // The kinks of bands 3, 4, 6 among them.
@@ -603,7 +603,7 @@ fn tables_of_discs_are_the_logarithms_of_discs() {
 #[test]
 fn fitted_discs_are_what_the_pointwise_exp_takes_back() {
     for bands in [1, 2, 3, 6, 8] {
-        let table = CapLog::<f64>::new(bands, CapFit::Grid).unwrap();
+        let table = CapLog::new(bands, CapFit::Grid).unwrap();
         for theta in [1e-4, 0.02, 0.3, 0.7, 1.2, PI / 2.0] {
             let mut zonal = vec![0.0; bands];
             table.eval(theta, &mut zonal);
@@ -625,7 +625,7 @@ fn fitted_discs_are_what_the_pointwise_exp_takes_back() {
 #[test]
 fn tables_of_discs_at_and_beyond_their_ends() {
     for fit in [CapFit::default(), CapFit::Grid] {
-        let table = CapLog::<f64>::new(4, fit).unwrap();
+        let table = CapLog::new(4, fit).unwrap();
         let at = |theta: f64| {
             let mut out = [0.0; 4];
             table.eval(theta, &mut out);
@@ -640,16 +640,16 @@ fn tables_of_discs_at_and_beyond_their_ends() {
             let want = -(PI * 1e-14) * ((2 * l + 1) as f64 / (4.0 * PI)).sqrt();
             assert_within((f / want - 1.0).abs(), 3e-5, &format!("degree {l}"));
         }
-        let narrow = CapLog::<f32>::new(4, fit).unwrap();
+        let narrow = CapLog::new(4, fit).unwrap();
         let mut out = [0.0f32; 4];
         narrow.eval(0.5, &mut out);
         assert_within(relative(&out, &at(0.5)), 1e-6, "f32");
     }
     for floor in [0.0, 1.0, f64::NAN, -0.1] {
-        assert!(matches!(CapLog::<f64>::new(3, CapFit::Products { floor }), Err(Error::OutOfRange { .. })));
+        assert!(matches!(CapLog::new(3, CapFit::Products { floor }), Err(Error::OutOfRange { .. })));
         assert!(matches!(Logarithm::new(3, LogMethod::Eigenvalues { floor }), Err(Error::OutOfRange { .. })));
     }
-    assert!(matches!(CapLog::<f64>::new(9, CapFit::Grid), Err(Error::OutOfRange { .. })));
+    assert!(matches!(CapLog::new(9, CapFit::Grid), Err(Error::OutOfRange { .. })));
 }
 
 #[test]
@@ -691,7 +691,7 @@ fn plans_refuse_what_they_cannot_do() {
             assert!(matches!(Exponential::<f32>::new(bands, method), Err(Error::OutOfRange { what: "bands", .. })));
         }
         assert!(matches!(Logarithm::new(bands, LogMethod::default()), Err(Error::OutOfRange { .. })));
-        assert!(matches!(CapLog::<f32>::new(bands, CapFit::default()), Err(Error::OutOfRange { .. })));
+        assert!(matches!(CapLog::new(bands, CapFit::default()), Err(Error::OutOfRange { .. })));
         assert!(matches!(GridFunction::<f32>::new(bands), Err(Error::OutOfRange { .. })));
         assert!(matches!(OptimalLinear::new(bands), Err(Error::OutOfRange { .. })));
     }
@@ -720,5 +720,5 @@ fn wrong_lengths_panic() {
 #[test]
 #[should_panic(expected = "scratch: at least")]
 fn short_scratch_panics() {
-    Exponential::<f64>::new(3, ExpMethod::default()).unwrap().batch(1, &[0.0; 9], &mut [0.0; 9], &mut []);
+    Exponential::<f64>::new(3, ExpMethod::default()).unwrap().apply_batch(1, &[0.0; 9], &mut [0.0; 9], &mut []);
 }

@@ -258,7 +258,7 @@ proptest! {
         let [x, y, z] = [0, 1, 2].map(|k| normals.iter().map(|n| n[k] as f32).collect::<Vec<_>>());
         let mut out = [0, 1, 2].map(|_| vec![f32::NAN; x.len()]);
         let [r, g, b] = &mut out;
-        form.batch([&x, &y, &z], [r, g, b]);
+        form.eval_batch([&x, &y, &z], [r, g, b]);
         for p in 0..x.len() {
             let want = form.eval(&Vector3::new(x[p], y[p], z[p]));
             prop_assert_eq!(out.each_ref().map(|c| c[p]), want);
@@ -415,5 +415,5 @@ fn coefficients_of_another_size_panic() {
 #[test]
 #[should_panic(expected = "irradiances: expected length 1, got 2")]
 fn irradiances_of_another_number_panic() {
-    Irradiance::<f64, 1>::new([&[1.0]]).batch([&[1.0], &[0.0], &[0.0]], [&mut [0.0; 2]]);
+    Irradiance::<f64, 1>::new([&[1.0]]).eval_batch([&[1.0], &[0.0], &[0.0]], [&mut [0.0; 2]]);
 }

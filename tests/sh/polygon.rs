@@ -265,7 +265,7 @@ fn batches_have_the_bits_of_one() {
     let light = PolygonLight::new(4).unwrap();
     let (mut scratch, mut out, mut one) = (light.scratch(), vec![f32::NAN; 16 * 7], [f32::NAN; 16]);
     for normals in [None, Some(&normals[..])] {
-        light.batch(&vertices, &points, normals, &mut out, &mut scratch);
+        light.eval_batch(&vertices, &points, normals, &mut out, &mut scratch);
         for p in 0..7 {
             // In f64 the differences are exact.
             let seen: Vec<_> = vertices.iter().map(|v| v.map(f64::from) - points[p].map(f64::from)).collect();
@@ -276,7 +276,7 @@ fn batches_have_the_bits_of_one() {
             }
         }
     }
-    light.batch(&vertices, &[], None, &mut [], &mut scratch);
+    light.eval_batch(&vertices, &[], None, &mut [], &mut scratch);
     light.eval(&vertices, None, &mut one, &mut scratch);
     let wide = eval(4, &vertices.iter().map(|v| v.map(f64::from)).collect::<Vec<_>>(), None);
     assert!((0..16).all(|i| one[i] == wide[i] as f32));

@@ -307,8 +307,8 @@ fn a_batch_has_the_bits_of_single_calls() {
         let square = Square::<T>::new(bands[0], bands[2]).unwrap();
         let mut products = vec![T::nan(); sizes[2] * count];
         let mut squares = products.clone();
-        plan.batch(count, &a, &b, &mut products);
-        square.batch(count, &a, &mut squares);
+        plan.apply_batch(count, &a, &b, &mut products);
+        square.apply_batch(count, &a, &mut squares);
         let mut out = vec![T::nan(); sizes[2]];
         for v in 0..count {
             plan.apply(&column(&a, v), &column(&b, v), &mut out);

@@ -205,9 +205,9 @@ fn batch_forms<T: Real>() -> f64 {
                 [f64::cos, f64::sin].map(|g| angles.iter().map(|a| T::of(g(a.widen()))).collect::<Vec<T>>());
             let mut outs: [Vec<T>; 4] = std::array::from_fn(|_| vec![T::nan(); n * count]);
             outs[3].copy_from_slice(&f);
-            rotator.batch(count, q.each_ref().map(|c| &c[..]), &f, &mut outs[0]);
-            rotator.batch_matrices(count, r.each_ref().map(|c| &c[..]), &f, &mut outs[1]);
-            plan.batch(count, &f, &mut outs[2]);
+            rotator.apply_quaternion_batch(count, q.each_ref().map(|c| &c[..]), &f, &mut outs[0]);
+            rotator.apply_batch(count, r.each_ref().map(|c| &c[..]), &f, &mut outs[1]);
+            plan.apply_batch(count, &f, &mut outs[2]);
             rotate_z_batch(&cos, &sin, &mut outs[3]);
             for v in 0..count {
                 let one: Vec<T> = (0..n).map(|i| f[i * count + v]).collect();
@@ -375,13 +375,13 @@ fn wrong_sizes_are_refused() {
     let (plan, rotator) = (Rotation::<f64>::new(2, &Rotation3::identity()).unwrap(), Rotator::<f64>::new(2).unwrap());
     let fails = |f: &dyn Fn()| std::panic::catch_unwind(std::panic::AssertUnwindSafe(f)).is_err();
     assert!(fails(&|| plan.apply(&[0.0; 3], &mut [0.0; 4])));
-    assert!(fails(&|| plan.batch(2, &[0.0; 8], &mut [0.0; 4])));
+    assert!(fails(&|| plan.apply_batch(2, &[0.0; 8], &mut [0.0; 4])));
     assert!(fails(&|| {
         plan.block(2);
     }));
     assert!(fails(&|| rotator.apply(&Rotation3::identity(), &[0.0; 4], &mut [0.0; 9])));
-    assert!(fails(&|| rotator.batch(1, [&[0.0], &[0.0], &[0.0], &[]], &[0.0; 4], &mut [0.0; 4])));
-    assert!(fails(&|| rotator.batch_matrices(2, [&[0.0; 2]; 9], &[0.0; 4], &mut [0.0; 8])));
+    assert!(fails(&|| rotator.apply_quaternion_batch(1, [&[0.0], &[0.0], &[0.0], &[]], &[0.0; 4], &mut [0.0; 4])));
+    assert!(fails(&|| rotator.apply_batch(2, [&[0.0; 2]; 9], &[0.0; 4], &mut [0.0; 8])));
     assert!(fails(&|| rotate_z(1.0, &mut [0.0; 5])));
     assert!(fails(&|| rotate_z_batch(&[1.0], &[], &mut [0.0; 4])));
     assert!(fails(&|| rotate_z_batch(&[1.0; 3], &[0.0; 3], &mut [0.0; 13])));

@@ -157,14 +157,14 @@ impl Frame<'_, '_> {
         if !self.is_needed(vertex) {
             return None;
         }
-        let (mesh, frame) = (self.inputs.mesh, self.inputs.mesh.frame(vertex));
+        let (mesh, frame) = (self.inputs.mesh, self.inputs.mesh.local_frame(vertex));
         let normal = Axes::upright(&frame);
         let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
         (normal.dot(&wo) > 0.0).then_some(Seen { normal, wo })
     }
 
     fn facing(self, vertex: usize, seen: &Seen) -> Facing {
-        let axes = Axes::new(&self.inputs.mesh.frame(vertex));
+        let axes = Axes::new(&self.inputs.mesh.local_frame(vertex));
         let local = axes.to_local(&seen.wo);
         let mirror = narrow(&axes.to_world(&Vector3::new(-local.x, -local.y, local.z)));
         Facing { axes, wo: seen.wo, normal: narrow(&seen.normal), mirror }

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::bounds::Norms;
-use super::interpolation::{Basis, Interpolation, NODES};
+use super::interpolation::{Interpolation, NODES, SampleBasis};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
 use super::tiles::{Eight, GROUP, Tiles};
@@ -64,7 +64,7 @@ impl LightForms {
     ///
     /// # Errors
     /// None for a layout that exists; those of the transforms' plans.
-    pub fn new(layout: &BlockLayout, basis: Basis) -> Result<Self> {
+    pub fn new(layout: &BlockLayout, basis: SampleBasis) -> Result<Self> {
         let interpolation = Interpolation::new(layout.side(), basis)?;
         let (grid, len) = (layout.grid(), layout.grid().len());
         let solid_angles = grid.face_solid_angles();

@@ -18,7 +18,7 @@
 //! | [`Transport`] | visibility of a static scene, baked once, saved and loaded |
 //! | [`LightForms`] | a light in the forms that the products read, a millisecond or two for a new one |
 //! | [`Relighter`] | frames |
-//! | [`Rule`], [`Basis`] | how many samples, and what lies between them |
+//! | [`Rule`], [`SampleBasis`] | how many samples, and what lies between them |
 
 mod bounds;
 mod cases;
@@ -47,7 +47,7 @@ mod tiles;
 mod transport;
 mod visible;
 
-pub use interpolation::Basis;
+pub use interpolation::SampleBasis;
 pub use layout::BlockLayout;
 pub use light::LightForms;
 pub use relighter::Relighter;

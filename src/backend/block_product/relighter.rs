@@ -15,7 +15,7 @@ use super::tables::Directions;
 use super::transport::{Maps, Transport, with_maps};
 use super::visible::GrayChange;
 use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
-use crate::compress::{BinaryMaps, GrayMaps};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps};
 use crate::error::check_length;
 use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
@@ -43,10 +43,10 @@ pub struct Relighter<'a> {
 /// Maps, and the order in which a frame sums them up.
 #[derive(Debug, Clone)]
 pub(super) enum Scheduled<'a> {
-    Binary8(&'a BinaryMaps<u8>, Schedule<u8>),
-    Binary16(&'a BinaryMaps<u16>, Schedule<u16>),
-    Gray8(&'a GrayMaps<u8>, Schedule<GrayChange<u8>>),
-    Gray16(&'a GrayMaps<u16>, Schedule<GrayChange<u16>>),
+    Binary8(&'a CodedBinaryMaps<u8>, Schedule<u8>),
+    Binary16(&'a CodedBinaryMaps<u16>, Schedule<u16>),
+    Gray8(&'a CodedGrayMaps<u8>, Schedule<GrayChange<u8>>),
+    Gray16(&'a CodedGrayMaps<u16>, Schedule<GrayChange<u16>>),
 }
 
 /// Runs `$body` with `$maps` and `$schedule` bound to those that there are.

@@ -142,11 +142,11 @@ fn take<'a, T>(from: &mut &'a [T], count: usize) -> &'a [T] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compress::BinaryMaps;
+    use crate::compress::CodedBinaryMaps;
 
     /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with its first half.
-    fn maps(vertices: usize) -> (BinaryMaps<u8>, Paths) {
-        let (mut maps, mut paths) = (BinaryMaps::new(64).unwrap(), Paths::default());
+    fn maps(vertices: usize) -> (CodedBinaryMaps<u8>, Paths) {
+        let (mut maps, mut paths) = (CodedBinaryMaps::new(64).unwrap(), Paths::default());
         for v in 0..vertices {
             paths.push_vertex(2);
             if v % 3 == 0 {

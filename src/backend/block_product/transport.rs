@@ -6,7 +6,7 @@ use super::coding::{BitCutter, Coded, GrayCutter, Pathed, count_samples};
 use super::layout::BlockLayout;
 use super::paths::Paths;
 use crate::backend::distant::check_vertices;
-use crate::compress::{BinaryMaps, GrayMaps, RunStats};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps, RunStats};
 use crate::parallel::Watch;
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
 use crate::sphere::{CubeGrid, Face};
@@ -43,10 +43,10 @@ pub struct Transport {
 /// Coded maps, [vertex][block].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Maps {
-    Binary8(BinaryMaps<u8>),
-    Binary16(BinaryMaps<u16>),
-    Gray8(GrayMaps<u8>),
-    Gray16(GrayMaps<u16>),
+    Binary8(CodedBinaryMaps<u8>),
+    Binary16(CodedBinaryMaps<u16>),
+    Gray8(CodedGrayMaps<u8>),
+    Gray16(CodedGrayMaps<u16>),
 }
 
 /// Runs `$body` with `$maps` bound to whichever maps there are.
@@ -288,13 +288,13 @@ fn binary<S: Send>(
 ) -> Result<Transport> {
     let len = layout.block_len();
     let (maps, paths) = if len <= 256 {
-        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u8>>| {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<CodedBinaryMaps<u8>>| {
             let (cutter, words) = words(vertex, s);
             cutter.code(words, to);
         })?;
         (Maps::Binary8(all.maps), all.paths)
     } else {
-        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u16>>| {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<CodedBinaryMaps<u16>>| {
             let (cutter, words) = words(vertex, s);
             cutter.code(words, to);
         })?;
@@ -322,13 +322,13 @@ fn gray<S: Send>(
     let (len, top, normals) = (layout.block_len(), ((1_u32 << bits) - 1) as u8, mesh.normals());
     let scratch = || (GrayCutter::new(layout, samples, top), scratch());
     let (maps, paths) = if len <= 256 {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u8>>| {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<CodedGrayMaps<u8>>| {
             cutter.code(counts(vertex, s), &normals[vertex], to);
         };
         let all = code(normals.len(), (len, top), progress, &scratch, one)?;
         (Maps::Gray8(all.maps), all.paths)
     } else {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u16>>| {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<CodedGrayMaps<u16>>| {
             cutter.code(counts(vertex, s), &normals[vertex], to);
         };
         let all = code(normals.len(), (len, top), progress, &scratch, one)?;

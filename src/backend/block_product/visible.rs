@@ -2,7 +2,7 @@
 
 use super::suffix::{Lanes, MomentSums, MomentTable, NodeSums, Table};
 use super::tiles::{GROUP, TilePath};
-use crate::compress::{BinaryMaps, GrayMaps, MapIndex, MapState};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps, MapIndex, MapState};
 
 /// Places of the largest block.
 pub(super) const MOST_PLACES: usize = 32 * 32;
@@ -116,7 +116,7 @@ pub(super) trait Visible: Sync {
     fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP];
 }
 
-impl<I: MapIndex> Visible for BinaryMaps<I> {
+impl<I: MapIndex> Visible for CodedBinaryMaps<I> {
     type Change = I;
 
     #[inline(always)]
@@ -201,7 +201,7 @@ pub(super) struct GrayChange<I> {
     difference: i16,
 }
 
-impl<I: MapIndex> Visible for GrayMaps<I> {
+impl<I: MapIndex> Visible for CodedGrayMaps<I> {
     type Change = GrayChange<I>;
 
     #[inline(always)]

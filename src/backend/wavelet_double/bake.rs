@@ -32,7 +32,7 @@ impl Baker<'_> {
             let brdf = self.materials.brdf(v);
             let planes = brdf.planes();
             let samples = &mut samples[..planes * n];
-            let frame = self.mesh.frame(v);
+            let frame = self.mesh.local_frame(v);
             let wo = self.view.outgoing(brdf, &self.mesh.positions()[v], &frame);
             brdf.sample_cos(&frame, &wo, &self.directions, samples);
             if !samples.iter().all(|x| x.is_finite()) {

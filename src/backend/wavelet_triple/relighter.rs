@@ -8,10 +8,7 @@ use super::transport::Transport;
 use crate::backend::distant::range::{in_range, undo};
 use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
 use crate::error::check_length;
-use crate::haar::{
-    BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, TripleProduct, Visibility, rows_to_morton,
-    upper_means,
-};
+use crate::haar::{BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, TripleProduct, Visibility};
 use crate::scene::{BinaryVisibility, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Result, parallel};
@@ -151,7 +148,7 @@ impl<'a> Relighter<'a> {
             for (i, radiance) in out.iter_mut().enumerate() {
                 let v = first + i;
                 let brdf = materials.brdf(v);
-                let frame = mesh.frame(v);
+                let frame = mesh.local_frame(v);
                 let wo = view.outgoing(brdf, &mesh.positions()[v], &frame);
                 let slice = sampler.texels((materials.part(v), brdf), &frame, &wo, weighting)?;
                 *radiance = masked_radiance(&masked, light, slice, visibility.vertex(v), brdf.colour());
@@ -177,7 +174,7 @@ impl<'a> Relighter<'a> {
                 if slice.is_dark(face) || bits.iter().all(|&w| w == 0) {
                     continue;
                 }
-                upper_means(side, bits, upper);
+                BitPyramid::upper_from_words(side, bits, upper);
                 let visibility = Visibility::Bits(BitPyramidRef::new(side, bits, upper));
                 match slice.face(face) {
                     [brdf] => {
@@ -234,7 +231,7 @@ fn morton_words(visibility: &BinaryVisibility) -> Vec<u64> {
     let words = BinaryVisibility::words_per_face(visibility.grid());
     let mut morton = vec![0; visibility.words().len()];
     for (rows, morton) in visibility.words().chunks_exact(words).zip(morton.chunks_exact_mut(words)) {
-        rows_to_morton(side, rows, morton);
+        BitPyramid::morton_from_rows(side, rows, morton);
     }
     morton
 }

@@ -27,7 +27,9 @@ impl<T: Real, const C: usize> Factor<T, C> {
     /// Cost: O(side²), about 1 ns a texel: once a frame for a light, once for a table of BRDFs.
     ///
     /// # Errors
-    /// As [`SparseNodes::new`].
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless the dense length is the square of one;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) above a side of 2¹⁴; [`Error::Length`](crate::Error::Length)
+    /// unless the channels agree; [`Error::Empty`](crate::Error::Empty) if there is no channel.
     pub fn new(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
         let nodes = SparseNodes::new(coefficients)?;
         let mut means = MeanTree::zeros(nodes.side())?;
@@ -43,12 +45,6 @@ impl<T: Real, const C: usize> Factor<T, C> {
             + size_of_val(self.nodes.weights())
             + size_of_val(self.means.blocks())
             + size_of_val(self.planes.as_slice())
-    }
-
-    /// The details, node by node.
-    #[inline]
-    pub fn nodes(&self) -> &SparseNodes<T, C> {
-        &self.nodes
     }
 
     /// The mean pyramid.

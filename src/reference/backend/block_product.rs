@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::backend::block_product::Basis;
+use crate::backend::block_product::SampleBasis;
 use crate::numeric::GaussLegendre;
 use crate::reference::sphere::cube_point;
 use crate::sphere::CubeMap;
@@ -30,12 +30,12 @@ pub fn positions(side: usize, along: usize) -> Vec<f64> {
 ///
 /// with b_u(x) = cos((2x + 1)uπ/2N) — the print has cos(2πxu/N), whose equations are singular — or the powers of x, solved for A and
 /// evaluated at the pixels.
-pub fn cardinals(side: usize, along: usize, basis: Basis) -> DMatrix<f64> {
+pub fn cardinals(side: usize, along: usize, basis: SampleBasis) -> DMatrix<f64> {
     let n = side as f64;
     let function = |u: usize, x: f64| match basis {
-        Basis::Cosine => ((2.0 * x + 1.0) * u as f64 * std::f64::consts::PI / (2.0 * n)).cos(),
+        SampleBasis::Cosine => ((2.0 * x + 1.0) * u as f64 * std::f64::consts::PI / (2.0 * n)).cos(),
         // About the middle of the block and in units of its half, so that the equations are well conditioned.
-        Basis::Polynomial => ((2.0 * x + 1.0) / n - 1.0).powi(u as i32),
+        SampleBasis::Polynomial => ((2.0 * x + 1.0) / n - 1.0).powi(u as i32),
     };
     let both = |term: usize, x: f64, y: f64| function(term % along, x) * function(term / along, y);
     let (at, count) = (positions(side, along), along * along);
@@ -103,7 +103,7 @@ pub fn weighted(light: &CubeMap<Vector3<f32>>) -> Vec<Vector3<f64>> {
 }
 
 /// Σ L Ω φ_j over a block for the cardinal function φ_j of each of its samples: the weights that a free block's samples are summed with.
-pub fn weights(weighted: &[Vector3<f64>], block: &Block, along: usize, basis: Basis) -> Vec<Vector3<f64>> {
+pub fn weights(weighted: &[Vector3<f64>], block: &Block, along: usize, basis: SampleBasis) -> Vec<Vector3<f64>> {
     let cardinals = cardinals(block.side, along, basis);
     let weight = |node: usize| (0..cardinals.nrows()).map(|p| weighted[block.texel(p)] * cardinals[(p, node)]).sum();
     (0..along * along).map(weight).collect()
@@ -127,7 +127,7 @@ impl Vertex<'_> {
     /// Σ_blocks Σ_pixels L Ω V ρ̃ by algorithm 1, where ρ̃ interpolates as many samples as `samples` says of a block.
     ///
     /// A block that is partly hidden has at most 4 samples; if it should have more it is summed at its pixels (line 11).
-    pub fn radiance(&self, basis: Basis, samples: &dyn Fn(usize) -> Samples) -> Vector3<f64> {
+    pub fn radiance(&self, basis: SampleBasis, samples: &dyn Fn(usize) -> Samples) -> Vector3<f64> {
         let [grid, side] = self.sides;
         let tables = [1, 2, 4].map(|along| (along, cardinals(side, along, basis)));
         let table = |along: usize| tables.iter().find(|t| t.0 == along).map(|t| &t.1).expect("1, 2 or 4 samples");

@@ -10,7 +10,7 @@ use super::{
     Axes, Brdf, DirectionTable, Structure, check_albedo, check_roughness, half_vector, off_surface, split_colour,
 };
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// Cook and Torrance's microfacet model with the anisotropic GGX distribution.
 ///
@@ -98,7 +98,7 @@ impl Brdf for CookTorrance {
         self.alpha[0] == self.alpha[1]
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         lobe::add_cos(self, frame, wo, directions, scale, out);
     }
 }

@@ -345,7 +345,7 @@ pub(super) fn exp2(y: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{CookTorrance, Frame, Phong};
+    use crate::scene::{CookTorrance, LocalFrame, Phong};
     use crate::sphere::CubeGrid;
 
     const EPS: f64 = f32::EPSILON as f64;
@@ -400,7 +400,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
-        let frame = Frame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() };
+        let frame = LocalFrame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() };
         let wo = Vector3::new(0.3, 0.8, -0.2).normalize();
         for side in [1, 7, 32] {
             let fast = DirectionTable::new(CubeGrid::new(side).unwrap());

@@ -8,7 +8,7 @@ use super::kernel::Kernel;
 use super::lobe::{self, KernelVisitor, Lobe, LobeModel, Shape};
 use super::{Axes, Brdf, DirectionTable, Structure, check_albedo, off_surface, split_colour};
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// The ideal diffuse surface.
 ///
@@ -58,7 +58,7 @@ impl Brdf for Lambert {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         lobe::add_cos(self, frame, wo, directions, scale, out);
     }
 }

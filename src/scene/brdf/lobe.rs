@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use super::kernel::{self, Kernel};
 use super::{Axes, BlinnPhong, Brdf, CookTorrance, DirectionTable, Lambert, Phong, Ward, is_poisoned, plane_count};
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// A model that is one lobe with a kernel in `f32` of its own.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +111,7 @@ pub(super) trait LobeModel: Brdf + Sized {
 #[track_caller]
 pub(super) fn add_cos(
     model: &impl LobeModel,
-    frame: &Frame,
+    frame: &LocalFrame,
     wo: &Vector3<f64>,
     directions: &DirectionTable,
     scale: f64,

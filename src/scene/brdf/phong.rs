@@ -10,7 +10,7 @@ use super::{
     Axes, Brdf, DirectionTable, Structure, check_albedo, check_exponent, half_vector, off_surface, split_colour,
 };
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// The modified, normalised Phong lobe about the mirror direction.
 ///
@@ -74,7 +74,7 @@ impl Brdf for Phong {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         lobe::add_cos(self, frame, wo, directions, scale, out);
     }
 }
@@ -185,7 +185,7 @@ impl Brdf for BlinnPhong {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         lobe::add_cos(self, frame, wo, directions, scale, out);
     }
 }

@@ -1,7 +1,5 @@
 //! The logarithm of a disc's visibility, tabulated over its angle.
 
-use std::marker::PhantomData;
-
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::piecewise::Piecewise;
@@ -56,14 +54,13 @@ impl Default for CapFit {
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct CapLog<T> {
+pub struct CapLog {
     bands: usize,
     table: Piecewise,
     error: f64,
-    scalar: PhantomData<T>,
 }
 
-impl<T: Real> CapLog<T> {
+impl CapLog {
     /// The largest angle of [`CapFit::Products`]: with more only a hole of less than 37° about −z is left.
     pub const LARGEST: f64 = 2.5;
 
@@ -101,7 +98,7 @@ impl<T: Real> CapLog<T> {
                 Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?
             }
         };
-        Ok(Self { bands, table, error, scalar: PhantomData })
+        Ok(Self { bands, table, error })
     }
 
     /// The number of bands.
@@ -125,7 +122,7 @@ impl<T: Real> CapLog<T> {
     /// # Panics
     /// If `out.len()` is not the number of bands.
     #[track_caller]
-    pub fn eval(&self, theta: T, out: &mut [T]) {
+    pub fn eval<T: Real>(&self, theta: T, out: &mut [T]) {
         check_length("zonal coefficients", self.bands, out.len());
         let theta = theta.widen();
         let theta = if theta < 0.0 { 0.0 } else { theta };

@@ -111,7 +111,7 @@ impl<T: Real> GridFunction<T> {
     /// If `f.len()` or `out.len()` is not bands².
     #[track_caller]
     pub fn apply(&self, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
-        self.batch(1, f, h, out);
+        self.apply_batch(1, f, h, out);
     }
 
     /// `count` expansions at once, coefficient-major: coefficient i of vector v is at i·`count` + v. The same bits as
@@ -120,7 +120,7 @@ impl<T: Real> GridFunction<T> {
     /// # Panics
     /// If `f.len()` or `out.len()` is not `count` times bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
         self.run(count, f, &Closure(h), out);
     }
 

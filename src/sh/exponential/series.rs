@@ -23,11 +23,11 @@ impl<T: Real> Multiplier<T> {
     }
 
     pub(super) fn multiply(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
-        self.product.batch(count, a, b, out);
+        self.product.apply_batch(count, a, b, out);
     }
 
     pub(super) fn square(&self, count: usize, a: &[T], out: &mut [T]) {
-        self.square.batch(count, a, out);
+        self.square.apply_batch(count, a, out);
     }
 }
 
@@ -145,7 +145,7 @@ impl<T: Real> ProductSeries<T> {
         on_stack(self.bands, |buffers| self.run(1, f, out, buffers));
     }
 
-    /// How much scratch [`batch`](Self::batch) wants, at least, whatever the number of vectors.
+    /// How much scratch [`apply_batch`](Self::apply_batch) wants, at least, whatever the number of vectors.
     pub fn scratch_len(&self) -> usize {
         (Self::BUFFERS + 2) * self.bands * self.bands * lanes::<T>()
     }
@@ -157,7 +157,7 @@ impl<T: Real> ProductSeries<T> {
     /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than
     /// [`scratch_len`](Self::scratch_len).
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;
         check_length("expansions", size.saturating_mul(count), f.len());
         check_length("functions of them", size.saturating_mul(count), out.len());

@@ -111,7 +111,7 @@ impl<T: Real, const C: usize> Irradiance<T, C> {
     /// # Panics
     /// If the slices differ in length.
     #[track_caller]
-    pub fn batch(&self, normals: [&[T]; 3], out: [&mut [T]; C]) {
+    pub fn eval_batch(&self, normals: [&[T]; 3], out: [&mut [T]; C]) {
         let count = normals[0].len();
         check_length("y coordinates", count, normals[1].len());
         check_length("z coordinates", count, normals[2].len());

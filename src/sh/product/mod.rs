@@ -163,7 +163,7 @@ impl<T: Real> Product<T> {
     #[inline]
     #[track_caller]
     pub fn apply(&self, a: &[T], b: &[T], out: &mut [T]) {
-        self.batch(1, a, b, out);
+        self.apply_batch(1, a, b, out);
     }
 
     /// `count` products at once, coefficient-major: coefficient i of vector v is at i·`count` + v in `a`, `b` and
@@ -174,7 +174,7 @@ impl<T: Real> Product<T> {
     /// # Panics
     /// If `a.len()`, `b.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
-    pub fn batch(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
         check_length("factor a", square(self.bands[0]).saturating_mul(count), a.len());
         check_length("factor b", square(self.bands[1]).saturating_mul(count), b.len());
         check_length("product", square(self.bands[2]).saturating_mul(count), out.len());
@@ -290,15 +290,15 @@ impl<T: Real> Square<T> {
     #[inline]
     #[track_caller]
     pub fn apply(&self, a: &[T], out: &mut [T]) {
-        self.batch(1, a, out);
+        self.apply_batch(1, a, out);
     }
 
-    /// `count` squares at once, coefficient-major as [`Product::batch`]; the same bits as [`apply`](Self::apply).
+    /// `count` squares at once, coefficient-major as [`Product::apply_batch`]; the same bits as [`apply`](Self::apply).
     ///
     /// # Panics
     /// If `a.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
-    pub fn batch(&self, count: usize, a: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, a: &[T], out: &mut [T]) {
         check_length("factor", square(self.bands[0]).saturating_mul(count), a.len());
         check_length("square", square(self.bands[1]).saturating_mul(count), out.len());
         self.form.run(self.arch, count, [a, a], out);

@@ -26,7 +26,7 @@ impl Samples {
             (0..8 * count).map(|t| (0.25 * PI * t as f64 / count as f64).sin_cos().into()).collect();
         let component = |k: usize| (0..count).map(|j| waves[2 * j + 1][k]).collect::<Vec<f64>>();
         let mut y = vec![0.0; count * bands * bands];
-        basis.eval_rows(&component(1), &vec![0.0; count], &component(0), &mut y);
+        basis.eval_batch(&component(1), &vec![0.0; count], &component(0), &mut y);
         Ok(Self { count, y, waves })
     }
 

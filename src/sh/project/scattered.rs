@@ -161,7 +161,7 @@ fn factor(basis: &Basis<f64>, d: &[Vec<f64>; 3], weights: &[f64], lambda: f64) -
     for start in (0..weights.len()).step_by(block) {
         let end = weights.len().min(start + block);
         let mut y = vec![0.0; size * (end - start)];
-        basis.eval_rows(&d[0][start..end], &d[1][start..end], &d[2][start..end], &mut y);
+        basis.eval_batch(&d[0][start..end], &d[1][start..end], &d[2][start..end], &mut y);
         // Column-major, as nalgebra stores it: a row for each coefficient is a column of the matrix.
         let rows = DMatrix::from_vec(end - start, size, y);
         let mut stacked = DMatrix::zeros(size + end - start, size);

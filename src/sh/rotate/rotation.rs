@@ -153,7 +153,7 @@ impl<T: Real> Rotation<T> {
     /// # Panics
     /// If `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], out: &mut [T]) {
         check_length("coefficients", (self.bands * self.bands).saturating_mul(count), f.len());
         check_length("rotated coefficients", (self.bands * self.bands).saturating_mul(count), out.len());
         if count < blocks::least::<T>() {

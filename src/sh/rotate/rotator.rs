@@ -137,7 +137,7 @@ impl<T: Real> Rotator<T> {
     /// # Panics
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
+    pub fn apply_quaternion_batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
         for c in quaternions {
             check_length("rotations", count, c.len());
         }
@@ -162,7 +162,7 @@ impl<T: Real> Rotator<T> {
     /// # Panics
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch_matrices(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
         for c in matrices {
             check_length("rotations", count, c.len());
         }

@@ -310,7 +310,7 @@ impl<T: Real> Zonal<T> {
     #[track_caller]
     pub fn about_batch(&self, basis: &Basis<T>, [x, y, z]: [&[T]; 3], out: &mut [T]) {
         check_length("bands of the basis", self.bands(), basis.bands());
-        basis.eval_rows(x, y, z, out);
+        basis.eval_batch(x, y, z, out);
         self.convolve_batch(x.len(), out);
     }
 

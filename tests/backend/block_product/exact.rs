@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use haarmonic::backend::block_product::{Basis, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -85,7 +85,7 @@ impl Shot<'_> {
         let truth = GroundTruth { mesh: self.mesh, materials: &materials, view: &self.view, light: &self.light };
         let truth = truth.radiance(seen, &()).unwrap();
         for &rule in rules {
-            let settings = Settings { rule, basis: Basis::default() };
+            let settings = Settings { rule, basis: SampleBasis::default() };
             let got = frame((self.mesh, transport), settings, &self.light, &self.view, &materials);
             for (k, name) in names.iter().enumerate() {
                 let of: (Vec<_>, Vec<_>) =

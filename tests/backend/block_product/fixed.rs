@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockAngle, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product::{self as twin, Samples};
@@ -60,9 +60,9 @@ struct Shot<'a> {
 }
 
 impl Shot<'_> {
-    fn reference(&self, vertex: usize, brdf: &dyn Brdf, angle: BlockAngle, basis: Basis) -> Vector3<f64> {
+    fn reference(&self, vertex: usize, brdf: &dyn Brdf, angle: BlockAngle, basis: SampleBasis) -> Vector3<f64> {
         let side = self.light.grid().side();
-        let frame = self.mesh.frame(vertex);
+        let frame = self.mesh.local_frame(vertex);
         let axes = Axes::new(&frame);
         let wo = self.view.outgoing(brdf, &self.mesh.positions()[vertex], &frame);
         let wo = axes.local(&wo);
@@ -94,7 +94,8 @@ impl Shot<'_> {
 
     fn check(&self, transport: &Transport, materials: &Materials, what: &str) {
         let angles = [BlockAngle::Centre, BlockAngle::Nearest];
-        for (angle, basis) in angles.into_iter().flat_map(|a| [(a, Basis::Cosine), (a, Basis::Polynomial)]) {
+        for (angle, basis) in angles.into_iter().flat_map(|a| [(a, SampleBasis::Cosine), (a, SampleBasis::Polynomial)])
+        {
             let settings = Settings { rule: Rule::Fixed { angle }, basis };
             let got = frame((self.mesh, transport), settings, &self.light, &self.view, materials);
             let want: Vec<_> = (0..got.len()).map(|v| self.reference(v, materials.brdf(v), angle, basis)).collect();
@@ -177,13 +178,13 @@ fn the_twins_interpolants_hold_their_basis() {
             let middle = 0.5 * (side as f64 - 1.0);
             assert!((at.iter().sum::<f64>() / along as f64 - middle).abs() < 1e-14 * side as f64);
             assert!(at.windows(2).all(|p| p[1] - p[0] == (side / along) as f64));
-            for basis in [Basis::Cosine, Basis::Polynomial] {
+            for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
                 let table = twin::cardinals(side, along, basis);
                 let wave =
                     |x: f64| ((2.0 * x + 1.0) * (along - 1) as f64 * std::f64::consts::PI / (2 * side) as f64).cos();
                 let held = |x: f64, y: f64| match basis {
-                    Basis::Cosine => (1.0 + wave(x)) * (0.3 - wave(y)),
-                    Basis::Polynomial => {
+                    SampleBasis::Cosine => (1.0 + wave(x)) * (0.3 - wave(y)),
+                    SampleBasis::Polynomial => {
                         (x / 5.0 - 1.0).powi(along as i32 - 1) * (2.0 - y / 7.0).powi(along as i32 - 1)
                     }
                 };

@@ -1,7 +1,7 @@
 //! Frames: darkness, pictures, counts, threads, change.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, BlockAngle, FrameStats, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, FrameStats, Relighter, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Camera, CookTorrance, Lambert, Materials, Mesh, Model, Phong, Procedural, Sum, View};
@@ -13,7 +13,7 @@ fn rules() -> [Rule; 4] {
 }
 
 fn settings(rule: Rule) -> Settings {
-    Settings { rule, basis: Basis::default() }
+    Settings { rule, basis: SampleBasis::default() }
 }
 
 fn transport(mesh: &Mesh, side: usize, block: usize) -> Transport {

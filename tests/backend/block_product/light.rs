@@ -1,7 +1,7 @@
 //! A light in its forms.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, LightForms};
+use haarmonic::backend::block_product::{LightForms, SampleBasis};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product as twin;
@@ -16,7 +16,7 @@ fn weights_are_the_cardinal_functions_integrals() {
         for (light, order) in lights.iter().zip(ORDERS.into_iter().cycle()) {
             let layout = layout(side, block, order);
             let weighted = twin::weighted(light);
-            for basis in [Basis::Cosine, Basis::Polynomial] {
+            for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
                 let mut forms = LightForms::new(&layout, basis).unwrap();
                 forms.set(light).unwrap();
                 for b in 0..layout.blocks() {
@@ -46,7 +46,7 @@ fn weights_are_the_cardinal_functions_integrals() {
 fn weights_of_every_level_add_up_to_the_light() {
     let light = noisy(32, 3);
     let total = light.integral();
-    for basis in [Basis::Cosine, Basis::Polynomial] {
+    for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
         let mut forms = LightForms::new(&layout(32, 16, ScanOrder::Hilbert), basis).unwrap();
         forms.set(&light).unwrap();
         for c in 0..3 {
@@ -62,7 +62,7 @@ fn weights_of_every_level_add_up_to_the_light() {
 #[test]
 fn a_refused_light_leaves_the_one_before() {
     let layout = layout(16, 8, ScanOrder::Serpentine);
-    let mut forms = LightForms::new(&layout, Basis::default()).unwrap();
+    let mut forms = LightForms::new(&layout, SampleBasis::default()).unwrap();
     let all = |forms: &LightForms| -> Vec<f32> {
         (0..3).flat_map(|c| (0..24).flat_map(move |b| forms.weights(c, b).to_vec())).collect()
     };
@@ -97,7 +97,7 @@ fn a_refused_light_leaves_the_one_before() {
 fn bytes_are_those_of_the_table() {
     for (side, block) in [(64, 16), (32, 32), (48, 8)] {
         let layout = layout(side, block, ScanOrder::RowMajor);
-        let forms = LightForms::new(&layout, Basis::default()).unwrap();
+        let forms = LightForms::new(&layout, SampleBasis::default()).unwrap();
         assert_eq!(forms.bytes(), 180 * layout.grid().len() + 252 * layout.blocks());
     }
 }

@@ -6,7 +6,7 @@ use haarmonic::backend::block_product::{BlockLayout, Relighter, Settings, Transp
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    BinaryVisibility, Brdf, EnvironmentLight, Frame, Lobe, Materials, Mesh, Sky, Structure, View, VisibilityBaker,
+    BinaryVisibility, Brdf, EnvironmentLight, Lobe, LocalFrame, Materials, Mesh, Sky, Structure, View, VisibilityBaker,
     VisibilitySettings,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
@@ -82,7 +82,7 @@ pub fn patchwork(side: usize, block: usize, seed: usize) -> impl Fn(usize, usize
 /// The same above the horizon of each vertex, and nothing below: as a baker leaves it.
 pub fn above<'a>(mesh: &'a Mesh, side: usize, sees: impl Fn(usize, usize) -> bool + 'a) -> BinaryVisibility {
     let directions = grid(side).directions();
-    let axes: Vec<Axes> = (0..mesh.positions().len()).map(|v| Axes::new(&mesh.frame(v))).collect();
+    let axes: Vec<Axes> = (0..mesh.positions().len()).map(|v| Axes::new(&mesh.local_frame(v))).collect();
     visibility(side, axes.len(), |v, texel| axes[v].normal().dot(&directions[texel]) > 0.0 && sees(v, texel))
 }
 
@@ -90,7 +90,7 @@ pub fn above<'a>(mesh: &'a Mesh, side: usize, sees: impl Fn(usize, usize) -> boo
 pub struct Axes([Vector3<f64>; 3]);
 
 impl Axes {
-    pub fn new(frame: &Frame) -> Self {
+    pub fn new(frame: &LocalFrame) -> Self {
         let (normal, tangent) = (frame.normal.cast::<f64>().normalize(), frame.tangent.cast::<f64>());
         let tangent = (tangent - normal * normal.dot(&tangent)).normalize();
         Self([tangent, normal.cross(&tangent), normal])

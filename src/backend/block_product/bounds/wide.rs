@@ -75,7 +75,7 @@ impl WideNodes {
 
 /// The frame that kernels are measured in: normal +z, tangent +x.
 fn local_axes() -> Axes {
-    Axes::new(&crate::scene::Frame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
+    Axes::new(&crate::scene::LocalFrame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
 }
 
 /// All places of one viewer.
@@ -306,7 +306,7 @@ mod tests {
     use super::super::errors::Errors;
     use super::super::gauge::LEFT_OUT;
     use super::*;
-    use crate::backend::block_product::interpolation::{Basis, Interpolation};
+    use crate::backend::block_product::interpolation::{Interpolation, SampleBasis};
     use crate::backend::block_product::layout::BlockLayout;
     use crate::compress::ScanOrder;
     use crate::scene::{Brdf, CookTorrance, Lobe, Ward};
@@ -368,7 +368,7 @@ mod tests {
     #[test]
     fn a_table_is_above_what_blocks_make_and_not_far() {
         let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
-        let gauge = Gauge::new(&layout, &Interpolation::new(16, Basis::Polynomial).unwrap());
+        let gauge = Gauge::new(&layout, &Interpolation::new(16, SampleBasis::Polynomial).unwrap());
         let mut all = Vec::new();
         for alpha in [[0.1; 2], [0.2; 2], [0.5; 2], [0.15, 0.4]] {
             let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
