@@ -744,9 +744,17 @@ fn calls_beyond_the_size_panic_and_say_so() {
         ("level of a target", Box::new(|| _ = coupling_gradient(Atom::from_flat(0), deep, ID)), "at most 63"),
         ("level of a factor", Box::new(|| _ = tripling(Atom::from_flat(0), deep, deep, ID)), "at most 63"),
         ("pixel", Box::new(|| _ = pixel_coupling(4, 4, 0, ID)), "of 4"),
-        ("sides", Box::new(|| matrix.multiply(&[1.0], HUGE, &mut [0.0])), "right-hand sides"),
-        ("sides of biclusters", Box::new(|| clusters.multiplier().multiply(&[1.0], 1 << 45, &mut [0.0])), "right-hand"),
-        ("sides of clusters", Box::new(|| coded.multiply(&[1.0], 1 << 45, &mut [0.0])), "right-hand sides"),
+        ("sides", Box::new(|| matrix.multiply_batch(HUGE, &[1.0], &mut [0.0])), "right-hand sides"),
+        (
+            "sides of biclusters",
+            Box::new(|| clusters.multiplier().multiply_batch(1 << 45, &[1.0], &mut [0.0], &mut [])),
+            "right-hand",
+        ),
+        (
+            "sides of clusters",
+            Box::new(|| coded.multiply_batch(1 << 45, &[1.0], &mut [0.0], &mut [])),
+            "right-hand sides",
+        ),
     ];
     for (name, call, says) in calls {
         let panic = catch_unwind(AssertUnwindSafe(call)).expect_err(name);

@@ -75,7 +75,7 @@ impl Measured {
             let relit = maps.relit(&matrix);
             if let (Format::Single, Some(coded)) = (format, &coded) {
                 let mut products = vec![0.0f32; 3 * maps.vertices()];
-                coded.multiply(&maps.sides(), 3, &mut products);
+                coded.multiply_batch(3, &maps.sides(), &mut products, &mut vec![0.0; coded.scratch_len(3)]);
                 let decoded = || relit.iter().flat_map(|x| x.iter().copied());
                 let largest = decoded().fold(f64::MIN_POSITIVE, |max, x| max.max(x.abs()));
                 let off = decoded().zip(&products).fold(0.0f64, |max, (x, &y)| max.max((x - f64::from(y)).abs()));

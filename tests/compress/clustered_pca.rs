@@ -189,7 +189,7 @@ proptest! {
         let coded = ClusteredPca::new(&matrix, columns, &ClusteredPcaSettings::new(3, k), &()).unwrap();
         let x: Vec<f32> = (0..columns * sides).map(|i| ((i as f32 + 0.7) * 0.618_034).fract() * 3.0 - 1.0).collect();
         let mut got = vec![f32::NAN; rows.len() * sides];
-        coded.multiply(&x, sides, &mut got);
+        coded.multiply_batch(sides, &x, &mut got, &mut vec![0.0; coded.scratch_len(sides)]);
         let mut row = vec![0.0; columns];
         for i in 0..rows.len() {
             coded.reconstruct(i, &mut row);

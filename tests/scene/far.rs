@@ -287,7 +287,7 @@ fn many_faces_in_one_place() {
         let baker = VisibilityBaker::new(&mesh, grid(16), VisibilitySettings::default()).unwrap();
         let mut words = vec![0; baker.words_per_vertex()];
         for vertex in 0..3 {
-            baker.bake_vertex(vertex, &mut words);
+            baker.bake_vertex(vertex, &mut words, &mut baker.scratch());
             assert_eq!(words, expected.vertex(vertex));
         }
         assert!(format!("{:?}", baker.bvh()).contains(&format!("faces: {kept},")), "{:?}", baker.bvh());

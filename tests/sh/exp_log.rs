@@ -1,6 +1,7 @@
 //! Exponentials, logarithms and functions of expansions against golden values, naive twins and their algebra.
 
 use std::f64::consts::PI;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use haarmonic::nalgebra::{Rotation3, UnitVector3, Vector3};
 use haarmonic::reference::sh as naive;
@@ -522,8 +523,8 @@ fn logarithms_of_what_has_none() {
         let dark: Vec<f64> = one(3).iter().map(|x| -x).collect();
         assert!(matches!(log.apply(&dark, &mut out), Err(Error::OutOfRange { .. })));
         assert!(matches!(log.apply(&[f64::NAN; 9], &mut out), Err(Error::NotFinite { index: 0, .. })));
-        assert!(matches!(log.apply(&[0.0; 4], &mut out), Err(Error::Length { .. })));
-        assert!(matches!(log.apply(&[1.0; 9], &mut out[..4]), Err(Error::Length { .. })));
+        let panics = |g: &[f64], out: &mut [f64]| catch_unwind(AssertUnwindSafe(|| log.apply(g, out))).is_err();
+        assert!(panics(&[0.0; 4], &mut [0.0; 9]) && panics(&[1.0; 9], &mut [0.0; 4]) && !panics(&[1.0; 9], &mut out));
         // Far more below 0 than above.
         let mut lobes = of_norm(3, 5.0, 1);
         lobes[0] = 0.1;

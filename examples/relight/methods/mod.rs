@@ -127,7 +127,7 @@ impl Run {
             Some(side) if side != args.resolution => {
                 let fine = baker.with_grid(CubeGrid::new(side)?);
                 let bake = |vertex: usize, words: &mut [u64]| {
-                    fine.bake_vertex(vertex, words);
+                    fine.bake_vertex(vertex, words, &mut fine.scratch());
                 };
                 let bar = Bar::new("ground truth, resolution of its own");
                 let visibility = TexelVisibility::Words { grid: fine.grid(), fill: &bake };

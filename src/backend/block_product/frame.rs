@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::bounds::{Checks, Place, WideView};
+use super::bounds::{Checks, Position, WideView};
 use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::light::LightForms;
@@ -11,12 +11,12 @@ use super::lobes::{Lobe, Plan, Planner, Sampling};
 use super::products::{Cut, LobeSum, Moments};
 use super::rule::{BlockAngle, Rule, SampleClass, fixed};
 use super::samples::Samples;
-use super::schedule::{Group, Schedule, TOGETHER};
+use super::schedule::{GROUP, Group, Schedule};
 use super::settings::Settings;
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
 use super::tables::Directions;
-use super::tiles::GROUP;
+use super::tiles::TILE;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::parallel;
@@ -27,13 +27,13 @@ use crate::scene::{Axes, Kernel, KernelVisitor, Materials, Mesh, View, narrow};
 pub(super) struct Scratch {
     /// [vertex of a group]
     seen: Vec<Option<Seen>>,
-    wanted: Box<[bool; TOGETHER]>,
-    moments: Box<[MomentSums; TOGETHER]>,
+    wanted: Box<[bool; GROUP]>,
+    moments: Box<[MomentSums; GROUP]>,
     samples: Samples,
     live: Vec<Live>,
     cases: Cases,
     /// [block]: where it is in a table.
-    places: Vec<Place>,
+    positions: Vec<Position>,
     /// A bit a block: those that may need samples.
     near: Vec<u64>,
     room: Room,
@@ -43,13 +43,13 @@ impl Scratch {
     pub(super) fn new(layout: &BlockLayout) -> Self {
         let blocks = layout.blocks();
         Self {
-            seen: Vec::with_capacity(TOGETHER),
-            wanted: Box::new([false; TOGETHER]),
-            moments: Box::new([MomentSums::default(); TOGETHER]),
+            seen: Vec::with_capacity(GROUP),
+            wanted: Box::new([false; GROUP]),
+            moments: Box::new([MomentSums::default(); GROUP]),
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
             cases: Cases::new(blocks),
-            places: vec![Place::default(); blocks],
+            positions: vec![Position::default(); blocks],
             near: vec![!0; blocks.div_ceil(64)],
             room: Room::new(layout.block_len()),
         }
@@ -102,10 +102,10 @@ impl Frame<'_, '_> {
         scratch: &mut [Scratch],
         out: &mut [Vector3<f32>],
     ) {
-        let done = parallel::with_scratch(out, TOGETHER, scratch, |first, out, scratch| {
-            for (k, out) in out.chunks_mut(TOGETHER).enumerate() {
-                let first = first + k * TOGETHER;
-                self.group(maps, schedule.group(first / TOGETHER), first, scratch, out);
+        let done = parallel::with_scratch(out, GROUP, scratch, |first, out, scratch| {
+            for (k, out) in out.chunks_mut(GROUP).enumerate() {
+                let first = first + k * GROUP;
+                self.group(maps, schedule.group(first / GROUP), first, scratch, out);
             }
             Ok(())
         });
@@ -191,7 +191,7 @@ impl Frame<'_, '_> {
     /// The case of each live block.
     fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Inputs { directions, arch, .. } = self.inputs;
-        let Scratch { live, cases, near, places, .. } = scratch;
+        let Scratch { live, cases, near, positions, .. } = scratch;
         match &lobe.sampling {
             Sampling::Mirror { .. } => {
                 arch.dispatch(Near { mirror: seen.mirror, centres: &directions.centres, reach: &lobe.reach, near })
@@ -219,11 +219,11 @@ impl Frame<'_, '_> {
                 });
             }
             Sampling::Wide { bounds, .. } => {
-                let (checks, groups) = (&lobe.checks[..], self.inputs.planner.groups());
+                let (checks, families) = (&lobe.checks[..], self.inputs.planner.families());
                 match bounds.seen_from(&seen.axes, &seen.wo) {
                     Some(view) => {
                         let centres = &directions.centres;
-                        arch.dispatch(Classes { view, centres, groups, places, live, checks, cases });
+                        arch.dispatch(Classes { view, centres, families, positions, live, checks, cases });
                     }
                     None => cases.set(live, |_| SampleClass::PIXELS),
                 }
@@ -331,11 +331,11 @@ impl pulp::WithSimd for Near<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         self.near.fill(0);
-        let [x, y, z] = self.centres.each_ref().map(|plane| plane.as_chunks::<GROUP>());
-        let (reach, rest) = self.reach.as_chunks::<GROUP>();
+        let [x, y, z] = self.centres.each_ref().map(|plane| plane.as_chunks::<TILE>());
+        let (reach, rest) = self.reach.as_chunks::<TILE>();
         for (k, (((x, y), z), reach)) in x.0.iter().zip(y.0).zip(z.0).zip(reach).enumerate() {
-            let mut bits = [0_u32; GROUP];
-            for lane in 0..GROUP {
+            let mut bits = [0_u32; TILE];
+            for lane in 0..TILE {
                 let cosine = dot(self.mirror, [x[lane], y[lane], z[lane]]);
                 bits[lane] = u32::from(cosine >= reach[lane]) << lane;
             }
@@ -354,8 +354,8 @@ impl pulp::WithSimd for Near<'_> {
 struct Classes<'a> {
     view: WideView<'a>,
     centres: &'a [Vec<f32>; 3],
-    groups: &'a [u8],
-    places: &'a mut [Place],
+    families: &'a [u8],
+    positions: &'a mut [Position],
     live: &'a [Live],
     checks: &'a [Checks],
     cases: &'a mut Cases,
@@ -366,10 +366,10 @@ impl pulp::WithSimd for Classes<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.view.find(self.centres, self.groups, self.places);
+        self.view.find(self.centres, self.families, self.positions);
         self.cases.set(self.live, |live| {
             let block = live.block as usize;
-            self.view.class(self.places[block], &self.checks[block], live.free)
+            self.view.class(self.positions[block], &self.checks[block], live.free)
         });
     }
 }

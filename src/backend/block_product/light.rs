@@ -6,7 +6,7 @@ use super::bounds::Norms;
 use super::interpolation::{Interpolation, NODES, SampleBasis};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
-use super::tiles::{Eight, GROUP, Tiles};
+use super::tiles::{Eight, TILE, Tiles};
 use crate::Result;
 use crate::sphere::{CubeGrid, CubeMap};
 
@@ -36,7 +36,7 @@ pub struct LightForms {
     /// [course][place] z for B
     pub(super) ninths: Vec<f32>,
     tiles: Tiles,
-    /// [block][group] R, G, B
+    /// [block][tile] R, G, B
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
     pub(super) norms: Vec<Norms>,
@@ -82,7 +82,7 @@ impl LightForms {
             nodes: vec![[0.0; 12]; 2 * len],
             moments: vec![Lanes::default(); 2 * len],
             ninths: vec![0.0; 2 * len],
-            texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
+            texels: vec![[[0.0; TILE]; 3]; len / TILE],
             norms: vec![Norms::default(); layout.blocks()],
             rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
@@ -182,11 +182,11 @@ impl LightForms {
         self.norms[block] = norms.fold(Norms::default(), Norms::larger);
     }
 
-    /// The rows in groups.
+    /// The rows in tiles.
     fn set_texels(&mut self, block: usize) {
-        let groups = self.layout.block_len() / GROUP;
-        let pixels = self.tiles.pixels().chunks_exact(GROUP);
-        for (eight, pixels) in self.texels[block * groups..][..groups].iter_mut().zip(pixels) {
+        let tiles = self.layout.block_len() / TILE;
+        let pixels = self.tiles.pixels().chunks_exact(TILE);
+        for (eight, pixels) in self.texels[block * tiles..][..tiles].iter_mut().zip(pixels) {
             for (texels, row) in eight.iter_mut().zip(&self.rows) {
                 texels.iter_mut().zip(pixels).for_each(|(texel, &pixel)| *texel = row[pixel as usize] as f32);
             }

@@ -37,7 +37,7 @@ pub(super) struct Lobe {
     pub(super) sampling: Sampling,
     /// [block]: the errors that the light allows.
     pub(super) checks: Vec<Checks>,
-    /// [block]: the least cosines to the mirror direction of a block and of a group of places that count; for Phong.
+    /// [block]: the least cosines to the mirror direction of a block and of a tile that count; for Phong.
     pub(super) reach: Vec<f32>,
     pub(super) least: Vec<f32>,
 }
@@ -58,8 +58,8 @@ impl Lobe {
         let factor = self.factor.max();
         self.least.clear();
         self.least.extend(limits.iter().map(|limits| {
-            // The limit must hold for every pixel of a group, so the angle grows by the group's radius.
-            let angle = limits.least_cosine(factor, *exponent, radii.pixel).acos() + radii.group;
+            // The limit must hold for every pixel of a tile, so the angle grows by the tile's radius.
+            let angle = limits.least_cosine(factor, *exponent, radii.pixel).acos() + radii.tile;
             if angle < std::f64::consts::PI { angle.cos() as f32 } else { -1.0 }
         }));
     }
@@ -102,9 +102,9 @@ impl Planner {
         Self { gauge, rule, brdfs, plans, edges, mirror, nodes, wide }
     }
 
-    /// [block]: the group of its shape.
-    pub(super) fn groups(&self) -> &[u8] {
-        self.gauge.groups()
+    /// [block]: the family of its shape.
+    pub(super) fn families(&self) -> &[u8] {
+        self.gauge.families()
     }
 
     pub(super) fn plans(&self) -> &[Plan] {

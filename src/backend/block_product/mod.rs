@@ -19,6 +19,22 @@
 //! | [`LightForms`] | a light in the forms that the products read, a millisecond or two for a new one |
 //! | [`Relighter`] | frames |
 //! | [`Rule`], [`SampleBasis`] | how many samples, and what lies between them |
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | texel, pixel | an element of the cube map; the same element by its row-major number in its block |
+//! | block | a square of one face, of side² texels |
+//! | path | the order in which a block's map is coded: one of two scans, whichever has fewer changes |
+//! | place | the number of a pixel along a path |
+//! | change | a place where a map goes from hidden to visible or back |
+//! | tile, slot | 4 × 2 pixels that are summed together; the number of a pixel in the order of the tiles |
+//! | course | a block together with the path that its map takes: two for each block |
+//! | group | 256 vertices whose maps of one course are taken together |
+//! | lobe | a part of a BRDF with a kernel of its own; its factor is what the kernel is multiplied with |
+//! | family | shapes of blocks (large, small, askew) that share a table of errors |
+//! | frame | one picture: a light, a view and materials |
 
 mod bounds;
 mod cases;

@@ -5,7 +5,7 @@ use super::visible::Visible;
 use crate::parallel;
 
 /// Vertices whose cosine sums are taken together: their number in a group is a byte.
-pub(super) const TOGETHER: usize = 256;
+pub(super) const GROUP: usize = 256;
 
 /// Maps of as many changes each, one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,13 +36,13 @@ pub(super) struct Schedule<C> {
 impl<C: Copy + Send + Sync> Schedule<C> {
     /// Of maps [vertex][block].
     pub(super) fn new<V: Visible<Change = C>>(maps: &V, paths: &Paths, vertices: usize, blocks: usize) -> Self {
-        let groups = vertices.div_ceil(TOGETHER);
+        let groups = vertices.div_ceil(GROUP);
         let group = |group: usize| {
             let mut part = Self::empty(2 * blocks);
-            let first = group * TOGETHER;
+            let first = group * GROUP;
             for course in 0..2 * blocks {
                 let (path, block) = (course / blocks, course % blocks);
-                let here = (first..vertices.min(first + TOGETHER)).filter(|&v| paths.of(v, block, blocks) == path);
+                let here = (first..vertices.min(first + GROUP)).filter(|&v| paths.of(v, block, blocks) == path);
                 part.push(maps, here.map(|vertex| ((vertex - first) as u8, vertex * blocks + block)));
             }
             part
@@ -164,7 +164,7 @@ mod tests {
             let (maps, paths) = maps(vertices);
             let schedule = Schedule::new(&maps, &paths, vertices, 2);
             let mut seen = vec![[0; 2]; vertices];
-            for number in 0..vertices.div_ceil(TOGETHER) {
+            for number in 0..vertices.div_ceil(GROUP) {
                 let mut group = schedule.group(number);
                 for course in 0..4 {
                     let (path, block) = (course / 2, course % 2);
@@ -176,7 +176,7 @@ mod tests {
                         let (members, changes) = group.next_maps(batch);
                         assert_eq!(changes.len(), members.len() * count);
                         for (&member, changes) in members.iter().zip(changes.chunks_exact(count)) {
-                            let vertex = number * TOGETHER + usize::from(member);
+                            let vertex = number * GROUP + usize::from(member);
                             assert_eq!(changes, maps.map(vertex * 2 + block).changes());
                             assert_eq!(path, paths.of(vertex, block, 2));
                             seen[vertex][block] += 1;

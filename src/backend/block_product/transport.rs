@@ -85,7 +85,7 @@ impl Transport {
         check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
         let scratch = || (BitCutter::new(layout), baker.scratch(), vec![0; baker.words_per_vertex()]);
         binary(layout, baker.vertices(), progress, scratch, |vertex, (cutter, rays, words)| {
-            baker.bake_vertex_with_scratch(vertex, words, rays);
+            baker.bake_vertex(vertex, words, rays);
             (cutter, words)
         })
     }
@@ -115,7 +115,7 @@ impl Transport {
         let fine = baker.with_grid(CubeGrid::new(side * samples)?);
         let scratch = || (fine.scratch(), vec![0; fine.words_per_vertex()], vec![0; layout.grid().len()]);
         gray(layout, mesh, (samples, bits), progress, scratch, |vertex, (rays, words, counts)| {
-            fine.bake_vertex_with_scratch(vertex, words, rays);
+            fine.bake_vertex(vertex, words, rays);
             let faces = words.chunks_exact(words.len() / 6).zip(counts.chunks_exact_mut(side * side));
             faces.for_each(|(words, counts)| count_samples(words, side, samples, counts));
             counts

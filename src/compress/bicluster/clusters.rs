@@ -49,7 +49,9 @@ impl Bicluster<'_> {
 /// assert_eq!(biclusters.to_matrix(), matrix);
 /// assert_eq!(biclusters.stats().flops, 5 + 2 + 2 + 2);
 /// let mut product = [0.0; 3];
-/// biclusters.multiplier::<f32>().multiply(&[1.0, 1.0, 1.0, 2.0], 1, &mut product);
+/// let multiplier = biclusters.multiplier::<f32>();
+/// let mut scratch = vec![0.0; multiplier.scratch_len(1)];
+/// multiplier.multiply(&[1.0, 1.0, 1.0, 2.0], &mut product, &mut scratch);
 /// assert_eq!(product, [2.75, 2.25, 1.0]);
 /// # Ok::<(), haarmonic::Error>(())
 /// ```

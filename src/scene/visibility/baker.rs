@@ -119,7 +119,7 @@ struct Scene {
     back_faces: BackFaces,
 }
 
-/// Work space of one thread for [`VisibilityBaker::bake_vertex_with_scratch`].
+/// Work space of one thread for [`VisibilityBaker::bake_vertex`].
 #[derive(Debug, Clone)]
 pub struct VisibilityScratch {
     live: LiveRays,
@@ -194,22 +194,13 @@ impl VisibilityBaker {
 
     /// The visibility of one vertex, into the caller's words (whatever they held before).
     ///
-    /// Allocates its work space; [`bake_vertex_with_scratch`](Self::bake_vertex_with_scratch) does not. Returns how many
-    /// texels are above the horizon: the rays that were traced.
+    /// Returns how many texels are above the horizon: the rays that were traced.
     ///
     /// # Panics
-    /// If `vertex` is out of range or `words` has another length than [`words_per_vertex`](Self::words_per_vertex).
+    /// If `vertex` is out of range, `words` has another length than [`words_per_vertex`](Self::words_per_vertex), or
+    /// `scratch` is of a baker with another grid.
     #[track_caller]
-    pub fn bake_vertex(&self, vertex: usize, words: &mut [u64]) -> u64 {
-        self.bake_vertex_with_scratch(vertex, words, &mut self.scratch())
-    }
-
-    /// As [`bake_vertex`](Self::bake_vertex), without allocating.
-    ///
-    /// # Panics
-    /// As [`bake_vertex`](Self::bake_vertex), and if `scratch` is of a plan with another grid.
-    #[track_caller]
-    pub fn bake_vertex_with_scratch(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
+    pub fn bake_vertex(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
         check_length("visibility words of a vertex", self.words_per_vertex(), words.len());
         words.fill(0);
         let per_face = BinaryVisibility::words_per_face(self.grid);
@@ -269,7 +260,7 @@ impl VisibilityBaker {
     pub fn bake(&self, progress: &dyn Progress) -> Result<BinaryVisibility> {
         let per_vertex = self.words_per_vertex();
         let words = self.fill(per_vertex, progress, |vertex, words, scratch| {
-            self.bake_vertex_with_scratch(vertex, words, scratch);
+            self.bake_vertex(vertex, words, scratch);
         })?;
         Ok(BinaryVisibility::from_parts(self.grid, words))
     }

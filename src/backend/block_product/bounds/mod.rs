@@ -22,7 +22,7 @@ pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
 pub(super) use grid::Symmetry;
 pub(super) use mirror::MirrorBounds;
-pub(super) use wide::{Place, WideBounds, WideNodes, WideView};
+pub(super) use wide::{Position, WideBounds, WideNodes, WideView};
 
 /// The cell of a number in [0, 1], of `count` equal ones.
 #[inline(always)]
