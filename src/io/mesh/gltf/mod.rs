@@ -29,9 +29,10 @@ use serde_json::Value;
 use self::buffers::Buffers;
 pub(super) use self::container::is_glb;
 use self::document::{MESHES, NODES, Object, SCENES, field, index, indices, list};
+use super::MeshOptions;
 use super::assemble::Soup;
-use super::count::{Count, plural};
-use super::{Loaded, MeshOptions, Report, excerpt};
+use crate::io::count::{Count, plural};
+use crate::io::report::{Loaded, Report, excerpt};
 use crate::scene::Mesh;
 use crate::{Error, Result};
 

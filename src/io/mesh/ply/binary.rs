@@ -2,7 +2,7 @@
 
 use super::Body;
 use super::header::{Element, Scalar};
-use crate::io::excerpt;
+use crate::io::report::excerpt;
 
 pub(super) struct Binary<'a> {
     pub(super) bytes: &'a [u8],

@@ -6,9 +6,9 @@
 
 use nalgebra::Vector3;
 
-use super::Report;
-use super::count::{Count, plural};
 use super::sides::buckets;
+use crate::io::count::{Count, plural};
+use crate::io::report::Report;
 
 /// No face.
 const NONE: u32 = u32::MAX;
@@ -67,7 +67,7 @@ impl Surface {
     }
 }
 
-/// What [`Winding::Repair`](super::Winding::Repair) turns: one entry a face. Warns of that, and of what stays as it is.
+/// What [`Winding::Repair`](crate::io::Winding::Repair) turns: one entry a face. Warns of that, and of what stays as it is.
 pub(super) fn repair(given: &Faces<'_>, report: &mut Report) -> Vec<bool> {
     let mut plan = Plan::new(given);
     plan.find_surfaces();

@@ -6,9 +6,10 @@
 use nalgebra::Vector3;
 
 use super::assemble::Soup;
-use super::count::{Count, plural};
 use super::split::{Smoothing, Splitter};
-use super::{Loaded, MeshOptions, Report, excerpt, number};
+use super::{MeshOptions, number};
+use crate::io::count::{Count, plural};
+use crate::io::report::{Loaded, Report, excerpt};
 use crate::scene::Mesh;
 use crate::{Error, Result};
 

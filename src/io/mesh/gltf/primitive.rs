@@ -6,7 +6,7 @@ use super::Reader;
 use super::accessor::{Component, Elements, Shape};
 use super::document::{Object, extension, field, index};
 use crate::Result;
-use crate::io::split::Smoothing;
+use crate::io::mesh::split::Smoothing;
 
 /// The most vertices, and the most triangles, that the instances of a scene may add up to: 2²⁶.
 const MOST: usize = 1 << 26;

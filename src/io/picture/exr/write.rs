@@ -1,7 +1,7 @@
 //! The writer: float R, G and B in blocks of 16 lines, each compressed by ZIP.
 
 use crate::io::Image;
-use crate::io::image::check_finite;
+use crate::io::picture::check_finite;
 use crate::{Error, Result};
 
 /// Lines of a block.

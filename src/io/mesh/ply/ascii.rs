@@ -7,7 +7,8 @@
 use super::Body;
 use super::header::{Element, Scalar};
 use crate::io::count::Count;
-use crate::io::{excerpt, number};
+use crate::io::mesh::number;
+use crate::io::report::excerpt;
 
 /// What ends an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

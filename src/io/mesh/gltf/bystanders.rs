@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::document::{Object, field, whole};
-use crate::io::Report;
 use crate::io::count::plural;
+use crate::io::report::Report;
 
 /// What a field should hold.
 #[derive(Debug, Clone, Copy)]

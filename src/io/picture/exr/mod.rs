@@ -24,10 +24,11 @@ pub(super) use self::header::Envmap;
 use self::header::{Header, SampleType};
 use self::input::Input;
 pub use self::write::encode_exr;
-use super::image::{Tagged, check_size, finish};
+use super::Image;
 use super::primaries::Primaries;
-use super::{Image, Loaded, Report};
+use super::{Tagged, check_size, finish};
 use crate::Result;
+use crate::io::report::{Loaded, Report};
 
 /// Reads an OpenEXR picture from its bytes; `name` is what messages call it.
 ///

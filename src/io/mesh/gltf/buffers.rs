@@ -6,7 +6,7 @@ use std::path::{Component, Path, PathBuf};
 use serde_json::Value;
 
 use super::document::{BUFFERS, Object, extension, field, required};
-use crate::io::{describe, excerpt};
+use crate::io::report::{describe, excerpt};
 
 /// The buffers, each loaded when it is first needed.
 pub(super) struct Buffers<'a> {

@@ -4,17 +4,18 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::count::{Count, plural};
-use super::options::Winding;
 use super::origin::repeats;
 use super::polygon::{Cut, Cutter};
 use super::sides::{self, Corner, Twin};
-use super::split::{Smoothing, SmoothingRuns, Splitter, is_given};
-use super::{Loaded, Report, winding};
+use super::winding;
 use crate::Result;
+use crate::io::count::{Count, plural};
+use crate::io::mesh::options::Winding;
+use crate::io::mesh::split::{Smoothing, SmoothingRuns, Splitter, is_given};
+use crate::io::report::{Loaded, Report};
 use crate::scene::Mesh;
 
-/// What a [`Soup`](super::assemble::Soup) becomes when its positions are those of the mesh.
+/// What a [`Soup`](super::Soup) becomes when its positions are those of the mesh.
 #[derive(Debug)]
 pub(super) struct Rounded {
     pub(super) winding: Winding,

@@ -1,7 +1,7 @@
 //! The header: elements, their properties, and which of them a mesh needs.
 
 use crate::Result;
-use crate::io::{Report, excerpt};
+use crate::io::report::{Report, excerpt};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Format {

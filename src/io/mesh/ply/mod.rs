@@ -12,10 +12,11 @@ use nalgebra::Vector3;
 use self::ascii::{Ascii, Layout};
 use self::binary::Binary;
 use self::header::{Element, Format, Header, Role, Scalar};
+use super::MeshOptions;
 use super::assemble::Soup;
-use super::count::plural;
-use super::{Loaded, MeshOptions, Report, excerpt};
 use crate::Result;
+use crate::io::count::plural;
+use crate::io::report::{Loaded, Report, excerpt};
 use crate::scene::Mesh;
 
 /// Reads a PLY file from its bytes; `name` is what messages call it.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Report;
+use crate::io::report::Report;
 
 /// Chromaticities x, y (CIE 1931) of red, green, blue and white.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -6,8 +6,8 @@
 
 use nalgebra::Vector3;
 
-use super::Report;
-use super::count::plural;
+use crate::io::count::plural;
+use crate::io::report::Report;
 
 /// The share of an edge that rounding may move a corner by and be no loss: normals turn by less than 0.06°.
 const SHARE: f64 = 1.0 / 1024.0;

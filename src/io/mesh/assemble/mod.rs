@@ -1,14 +1,20 @@
 //! From what a reader found to a [`Mesh`]: the repairs that all formats share.
 
+mod origin;
+mod polygon;
+mod repair;
+mod sides;
+mod winding;
+
 use nalgebra::Vector3;
 
-use super::count::{Count, plural};
-use super::options::MeshOptions;
-use super::origin::{self, repeats};
-use super::repair::Rounded;
-use super::split::{Smoothing, SmoothingRuns, Splitter};
-use super::{Loaded, Report};
+use self::origin::repeats;
+use self::repair::Rounded;
 use crate::Result;
+use crate::io::count::{Count, plural};
+use crate::io::mesh::options::MeshOptions;
+use crate::io::mesh::split::{Smoothing, SmoothingRuns, Splitter};
+use crate::io::report::{Loaded, Report};
 use crate::scene::Mesh;
 
 /// Triangles as a file gives them. Indices are in range: the readers check that, where they still know the place.

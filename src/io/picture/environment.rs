@@ -4,9 +4,10 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
+use super::Image;
 use super::exr::Envmap;
-use super::image::{Tagged, read_tagged};
-use super::{Image, Loaded, Report, read_file};
+use super::{Tagged, read_tagged};
+use crate::io::report::{Loaded, Report, read_file};
 use crate::scene::EnvironmentLight;
 use crate::sphere::{CubeGrid, CubeMap, Face, LatLongGrid, LatLongMap};
 use crate::{Error, Result};

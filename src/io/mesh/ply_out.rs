@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::atomic;
+use crate::io::atomic;
 use crate::scene::Mesh;
 use crate::{Error, Result};
 

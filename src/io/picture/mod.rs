@@ -1,13 +1,24 @@
 //! Pictures of linear RGB pixels.
 
+mod environment;
+mod exr;
+mod hdr;
+mod png;
+mod primaries;
+
 use std::path::Path;
 
 use nalgebra::Vector3;
 
-use super::count::plural;
-use super::{
-    Loaded, Report, atomic, encode_exr, encode_hdr, encode_png, encode_png_srgb8, exr, read_file, read_hdr, read_png,
+pub use self::environment::{
+    EnvironmentLayout, load_environment, load_environment_with, read_environment, read_environment_with,
 };
+pub use self::exr::{encode_exr, read_exr};
+pub use self::hdr::{encode_hdr, read_hdr};
+pub use self::png::{encode_png, encode_png_srgb8, read_png};
+use super::atomic;
+use crate::io::count::plural;
+use crate::io::report::{Loaded, Report, read_file};
 use crate::{Error, Result};
 
 /// A picture: linear RGB pixels, row after row from the top left.

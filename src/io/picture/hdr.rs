@@ -6,10 +6,11 @@
 
 use nalgebra::Vector3;
 
-use super::image::{check_finite, check_size, finish};
+use super::Image;
 use super::primaries::{self, Primaries};
-use super::{Image, Loaded, Report, excerpt};
+use super::{check_finite, check_size, finish};
 use crate::Result;
+use crate::io::report::{Loaded, Report, excerpt};
 
 /// Reads a Radiance HDR picture from its bytes; `name` is what messages call it.
 ///

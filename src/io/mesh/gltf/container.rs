@@ -4,8 +4,8 @@ use serde_json::{Deserializer, Value};
 
 use super::document::Object;
 use crate::Result;
-use crate::io::Report;
 use crate::io::count::plural;
+use crate::io::report::Report;
 
 /// Whether a file begins like GLB.
 pub(in crate::io) fn is_glb(bytes: &[u8]) -> bool {

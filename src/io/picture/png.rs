@@ -7,9 +7,10 @@ use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use nalgebra::Vector3;
 
-use super::image::{check_size, finish};
+use super::Image;
 use super::primaries::Primaries;
-use super::{Image, Loaded, Report, excerpt};
+use super::{check_size, finish};
+use crate::io::report::{Loaded, Report, excerpt};
 use crate::scene::{linear_to_srgb, srgb_to_linear};
 use crate::{Error, Result};
 

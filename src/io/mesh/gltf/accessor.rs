@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::buffers::Buffers;
 use super::document::{ACCESSORS, BUFFER_VIEWS, Object, field, index, required};
-use crate::io::excerpt;
+use crate::io::report::excerpt;
 
 /// The shape of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

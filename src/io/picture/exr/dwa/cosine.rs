@@ -3,9 +3,9 @@
 use std::sync::LazyLock;
 
 use super::Group;
-use crate::io::exr::block::Block;
-use crate::io::exr::half;
-use crate::io::exr::header::SampleType;
+use crate::io::picture::exr::block::Block;
+use crate::io::picture::exr::half;
+use crate::io::picture::exr::header::SampleType;
 
 /// What is left of the two streams of coefficients, halves both.
 pub(super) struct Coefficients<'a> {
