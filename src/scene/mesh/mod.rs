@@ -1,47 +1,19 @@
 //! Triangle meshes with per-vertex shading frames.
 
-use approx::{AbsDiffEq, RelativeEq};
-use nalgebra::{Affine3, UnitVector3, Vector3};
+mod approx;
+mod bounds;
+mod frame;
+mod normals;
+mod repair;
+
+use nalgebra::{Affine3, Vector3};
+
+pub use bounds::Bounds;
+pub use frame::LocalFrame;
+use normals::{angle_weighted_normals, double_area_vector, perpendicular, unit};
+pub use repair::MeshRepair;
 
 use crate::{Error, Result};
-
-/// An orthonormal right-handed frame: x = tangent, y = bitangent, z = normal.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LocalFrame {
-    /// Local +x.
-    pub tangent: Vector3<f32>,
-    /// Local +y, normal × tangent.
-    pub bitangent: Vector3<f32>,
-    /// Local +z.
-    pub normal: Vector3<f32>,
-}
-
-impl LocalFrame {
-    /// A frame around a normal; its tangent is arbitrary but deterministic.
-    pub fn around(normal: &UnitVector3<f64>) -> Self {
-        let normal = normal.cast::<f32>().into_inner();
-        let tangent = perpendicular(&normal);
-        Self { tangent, bitangent: normal.cross(&tangent), normal }
-    }
-
-    /// World to local coordinates, in `f64`.
-    #[inline]
-    pub fn to_local(&self, world: &Vector3<f64>) -> Vector3<f64> {
-        Vector3::new(
-            self.tangent.cast::<f64>().dot(world),
-            self.bitangent.cast::<f64>().dot(world),
-            self.normal.cast::<f64>().dot(world),
-        )
-    }
-
-    /// Local to world coordinates, in `f64`.
-    #[inline]
-    pub fn to_world(&self, local: &Vector3<f64>) -> Vector3<f64> {
-        self.tangent.cast::<f64>() * local.x
-            + self.bitangent.cast::<f64>() * local.y
-            + self.normal.cast::<f64>() * local.z
-    }
-}
 
 /// A triangle mesh: positions, unit normals and unit tangents per vertex; counter-clockwise faces seen from outside.
 ///
@@ -59,87 +31,6 @@ pub struct Mesh {
     tangents: Vec<Vector3<f32>>,
     faces: Vec<[u32; 3]>,
     origin: Vector3<f64>,
-}
-
-/// What [`Mesh::repair`] changed, one note for each kind of defect.
-///
-/// `first` is the index of the first one in the input: a face's, or a vertex's for positions and normals.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum MeshRepair {
-    /// Faces that name a vertex twice or have no area were dropped.
-    DegenerateFaces {
-        /// How many.
-        count: usize,
-        /// The first one.
-        first: usize,
-    },
-    /// Faces that name a vertex that is not there were dropped.
-    OutOfRangeFaces {
-        /// How many.
-        count: usize,
-        /// The first one.
-        first: usize,
-    },
-    /// Vertices whose position is NaN or infinite lost their faces; they now stand on the first finite vertex.
-    NonFinitePositions {
-        /// How many.
-        count: usize,
-        /// The first one.
-        first: usize,
-    },
-    /// Normals that are NaN, infinite or zero, or that were missing, were made from the faces.
-    Normals {
-        /// How many.
-        count: usize,
-        /// The first one.
-        first: usize,
-    },
-}
-
-impl std::fmt::Display for MeshRepair {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::DegenerateFaces { count, first } => {
-                write!(f, "{count} faces without area dropped (the first is number {first})")
-            }
-            Self::OutOfRangeFaces { count, first } => {
-                write!(f, "{count} faces with a vertex that is not there dropped (the first is number {first})")
-            }
-            Self::NonFinitePositions { count, first } => {
-                write!(f, "{count} vertices that are NaN or infinite lost their faces (the first is number {first})")
-            }
-            Self::Normals { count, first } => {
-                write!(f, "{count} normals made from the faces (the first is number {first})")
-            }
-        }
-    }
-}
-
-/// The smallest axis-aligned box around something.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// Smallest coordinates.
-    pub min: Vector3<f32>,
-    /// Largest coordinates.
-    pub max: Vector3<f32>,
-}
-
-impl Bounds {
-    /// The centre of the box.
-    pub fn centre(&self) -> Vector3<f64> {
-        (self.min.cast::<f64>() + self.max.cast::<f64>()) * 0.5
-    }
-
-    /// The edge lengths of the box.
-    pub fn size(&self) -> Vector3<f64> {
-        self.max.cast::<f64>() - self.min.cast::<f64>()
-    }
-
-    /// Half of the box's diagonal: the radius of the ball around [`centre`](Self::centre) that holds it.
-    pub fn radius(&self) -> f64 {
-        self.size().norm() * 0.5
-    }
 }
 
 impl Mesh {
@@ -234,77 +125,6 @@ impl Mesh {
         }
         self.origin = origin;
         Ok(self)
-    }
-
-    /// A mesh from parts that may be broken, and what had to be mended.
-    ///
-    /// For file readers. In this order: a face that names a vertex that is not there is dropped; a face with a corner that
-    /// is NaN or infinite is dropped, and the vertex, which stays so that indices keep their meaning, is moved to the first
-    /// finite one; a face with a repeated corner or without area is dropped; a normal that is missing or unusable is made
-    /// from the faces that are left. Vertices without a face are kept. Nothing else is touched: no welding, no turning.
-    /// `normals` shorter or longer than `positions` counts as missing or superfluous at the end.
-    ///
-    /// # Errors
-    /// [`Error::Empty`] if no vertex is finite or no face is left.
-    ///
-    /// # Example
-    /// ```
-    /// use haarmonic::{nalgebra::Vector3, scene::{Mesh, MeshRepair}};
-    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [f32::NAN, 0., 0.]].map(Vector3::from);
-    /// let faces = vec![[0, 1, 2], [0, 1, 1], [0, 1, 9], [1, 2, 3]];
-    /// let (mesh, notes) = Mesh::repair(corners.to_vec(), None, faces)?;
-    /// assert_eq!(mesh.faces(), [[0, 1, 2]]);
-    /// assert!(notes.contains(&MeshRepair::DegenerateFaces { count: 1, first: 1 }));
-    /// # Ok::<(), haarmonic::Error>(())
-    /// ```
-    pub fn repair(
-        mut positions: Vec<Vector3<f32>>,
-        normals: Option<Vec<Vector3<f32>>>,
-        faces: Vec<[u32; 3]>,
-    ) -> Result<(Self, Vec<MeshRepair>)> {
-        let finite = |p: &Vector3<f32>| p.iter().all(|c| c.is_finite());
-        let (mut out_of_range, mut degenerate, mut unusable) = (Tally::default(), Tally::default(), Tally::default());
-        let mut kept = Vec::with_capacity(faces.len());
-        for (index, face) in faces.into_iter().enumerate() {
-            if face.iter().any(|&i| i as usize >= positions.len()) {
-                out_of_range.add(index);
-            } else if face.iter().all(|&i| finite(&positions[i as usize])) {
-                let corners = face.map(|i| positions[i as usize].cast::<f64>());
-                if double_area_vector(&corners).norm() > 0.0 {
-                    kept.push(face);
-                } else {
-                    degenerate.add(index);
-                }
-            }
-        }
-        let Some(stand_in) = positions.iter().copied().find(finite) else {
-            return Err(Error::Empty { what: "mesh vertices that are finite" });
-        };
-        for (index, position) in positions.iter_mut().enumerate() {
-            if !finite(position) {
-                unusable.add(index);
-                *position = stand_in;
-            }
-        }
-        if kept.is_empty() {
-            return Err(Error::Empty { what: "mesh faces that have an area and are in range" });
-        }
-        let mut made = Tally::default();
-        let mesh = match normals {
-            None => Self::new(positions, kept)?,
-            Some(mut normals) => {
-                normals.resize(positions.len(), Vector3::zeros());
-                normals.iter().enumerate().filter(|(_, n)| unit(n).is_none()).for_each(|(i, _)| made.add(i));
-                Self::with_normals(positions, normals, kept)?
-            }
-        };
-        let notes = [
-            out_of_range.note(|count, first| MeshRepair::OutOfRangeFaces { count, first }),
-            unusable.note(|count, first| MeshRepair::NonFinitePositions { count, first }),
-            degenerate.note(|count, first| MeshRepair::DegenerateFaces { count, first }),
-            made.note(|count, first| MeshRepair::Normals { count, first }),
-        ];
-        Ok((mesh, notes.into_iter().flatten().collect()))
     }
 
     /// Several meshes as one: their vertices and faces in the order given.
@@ -468,99 +288,4 @@ fn check_parts(positions: &[Vector3<f32>], faces: &[[u32; 3]]) -> Result<()> {
         }
     }
     Ok(())
-}
-
-/// How many defects of one kind, and where the first one is.
-#[derive(Default)]
-struct Tally {
-    count: usize,
-    first: usize,
-}
-
-impl Tally {
-    fn add(&mut self, index: usize) {
-        if self.count == 0 {
-            self.first = index;
-        }
-        self.count += 1;
-    }
-
-    fn note(&self, note: impl Fn(usize, usize) -> MeshRepair) -> Option<MeshRepair> {
-        (self.count > 0).then(|| note(self.count, self.first))
-    }
-}
-
-/// Compares vectors one by one; lists of different length differ.
-fn all_alike<'a>(
-    a: impl IntoIterator<Item = &'a Vector3<f32>, IntoIter: ExactSizeIterator>,
-    b: impl IntoIterator<Item = &'a Vector3<f32>, IntoIter: ExactSizeIterator>,
-    alike: impl Fn(&Vector3<f32>, &Vector3<f32>) -> bool,
-) -> bool {
-    let (a, b) = (a.into_iter(), b.into_iter());
-    a.len() == b.len() && a.zip(b).all(|(x, y)| alike(x, y))
-}
-
-macro_rules! approx_by_vectors {
-    ($type:ty, |$value:ident| [$($part:expr),+], |$a:ident, $b:ident| $also:expr) => {
-        impl AbsDiffEq for $type {
-            type Epsilon = f32;
-            fn default_epsilon() -> f32 {
-                f32::default_epsilon()
-            }
-            fn abs_diff_eq(&self, other: &Self, epsilon: f32) -> bool {
-                let alike = |x: &Vector3<f32>, y: &Vector3<f32>| x.abs_diff_eq(y, epsilon);
-                let ($a, $b) = (self, other);
-                $also $(&& all_alike({ let $value = self; $part }, { let $value = other; $part }, alike))+
-            }
-        }
-
-        impl RelativeEq for $type {
-            fn default_max_relative() -> f32 {
-                f32::default_max_relative()
-            }
-            fn relative_eq(&self, other: &Self, epsilon: f32, max_relative: f32) -> bool {
-                let alike = |x: &Vector3<f32>, y: &Vector3<f32>| x.relative_eq(y, epsilon, max_relative);
-                let ($a, $b) = (self, other);
-                $also $(&& all_alike({ let $value = self; $part }, { let $value = other; $part }, alike))+
-            }
-        }
-    };
-}
-
-approx_by_vectors!(LocalFrame, |f| [[&f.tangent], [&f.bitangent], [&f.normal]], |_a, _b| true);
-approx_by_vectors!(Bounds, |b| [[&b.min], [&b.max]], |_a, _b| true);
-approx_by_vectors!(Mesh, |m| [&m.positions, &m.normals, &m.tangents], |a, b| a.faces == b.faces
-    && a.origin == b.origin);
-
-/// Twice the area of a triangle, along its normal.
-fn double_area_vector([a, b, c]: &[Vector3<f64>; 3]) -> Vector3<f64> {
-    (b - a).cross(&(c - a))
-}
-
-/// The unit vector along `v`, unless that is zero or not finite.
-fn unit(v: &Vector3<f32>) -> Option<Vector3<f32>> {
-    let v = v.cast::<f64>();
-    let length = v.norm();
-    (length > 0.0 && length.is_finite()).then(|| (v / length).cast())
-}
-
-fn angle_weighted_normals(positions: &[Vector3<f32>], faces: &[[u32; 3]]) -> Vec<Vector3<f32>> {
-    let mut sums = vec![Vector3::<f64>::zeros(); positions.len()];
-    for face in faces {
-        let corners = face.map(|i| positions[i as usize].cast::<f64>());
-        let Some(normal) = double_area_vector(&corners).try_normalize(0.0) else {
-            continue;
-        };
-        for k in 0..3 {
-            let to = |j: usize| corners[(k + j) % 3] - corners[k];
-            sums[face[k] as usize] += normal * to(1).angle(&to(2));
-        }
-    }
-    sums.iter().map(|s| s.try_normalize(1e-30).unwrap_or_else(Vector3::y).cast()).collect()
-}
-
-/// A unit vector perpendicular to a unit vector.
-fn perpendicular(n: &Vector3<f32>) -> Vector3<f32> {
-    let axis = if n.x.abs() < 0.8 { Vector3::x() } else { Vector3::z() };
-    (axis - n * n.dot(&axis)).normalize()
 }
