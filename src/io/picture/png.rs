@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use ::image::codecs::png::{PngDecoder, PngEncoder};
+use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use nalgebra::Vector3;
@@ -203,7 +203,7 @@ pub fn encode_png_srgb8(width: usize, height: usize, pixels: &[[u8; 3]]) -> Resu
     let side = |n: usize| u32::try_from(n).map_err(|_| failed(format!("a side of {n} pixels is too long")));
     let (w, h) = (side(width)?, side(height)?);
     let mut out = Vec::new();
-    PngEncoder::new(&mut out)
+    PngEncoder::new_with_quality(&mut out, CompressionType::Best, FilterType::Adaptive)
         .write_image(pixels.as_flattened(), w, h, ExtendedColorType::Rgb8)
         .map_err(|e| failed(e.to_string()))?;
     Ok(out)
