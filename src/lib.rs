@@ -88,15 +88,15 @@
 //!
 //! Vectors, rotations and complex numbers are [`nalgebra`]'s, re-exported; arrays are slices of plain numbers.
 //!
-//! - `serde`: conventions, choices, settings, grids, maps and sparse vectors are stored and loaded. What is loaded is checked
-//!   as the constructor checks it: a cube map with a texel too few is an error. The ranges of plain settings are checked where
-//!   they always are, by the plan that takes them. Transports have a file form of their own.
-//! - `bytemuck`: `bytemuck::cast_slice(map.texels())` is the floats, or the bytes, of a map for an upload to a GPU; complex
-//!   coefficients and slices of vectors likewise.
-//! - `mint`: nalgebra's types come from and go to mint's, and so to those of any version of glam, cgmath, euclid, …, none of
-//!   which is named here: `Vector3::from(mint::Vector3::from(glam_vector))`; back by `let v: mint::Vector3<f64> = vector.into()`
-//!   and `glam::DVec3::from(v)`.
-//!   glam wants its feature `mint-05` (`mint` before 0.34), and mint itself is a dependency of yours.
+//! - `serde`: conventions, choices, settings, grids, maps and sparse vectors are stored and loaded. What is loaded is
+//!   checked as the constructor checks it: a cube map with a texel too few is an error. The ranges of plain settings
+//!   are checked where they always are, by the plan that takes them. Transports have a file form of their own.
+//! - `bytemuck`: `bytemuck::cast_slice(map.texels())` is the floats, or the bytes, of a map for an upload to a GPU;
+//!   complex coefficients and slices of vectors likewise.
+//! - `mint`: nalgebra's types come from and go to mint's, and so to those of any version of glam, cgmath, euclid, …,
+//!   none of which is named here: `Vector3::from(mint::Vector3::from(glam_vector))`; back by `let v: mint::Vector3<f64>
+//!   = vector.into()` and `glam::DVec3::from(v)`. glam wants its feature `mint-05` (`mint` before 0.34), and mint
+//!   itself is a dependency of yours.
 #![cfg_attr(
     feature = "bytemuck",
     doc = "

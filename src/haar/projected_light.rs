@@ -44,8 +44,8 @@ impl ProjectedLight {
     /// Weights and transforms a light.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite; the light
-    /// from before stays.
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite; the light from before stays.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid)?;
         for (channel, (texels, coefficients)) in self.texels.iter_mut().zip(&mut self.coefficients).enumerate() {

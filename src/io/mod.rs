@@ -18,7 +18,8 @@
 //! the old file or the new one.
 //!
 //! # Meshes
-//! What [`load_mesh`] and the readers of meshes do with every format, each with a [`Warning`] where it changes the file:
+//! What [`load_mesh`] and the readers of meshes do with every format, each with a [`Warning`] where it changes the
+//! file:
 //!
 //! | what | becomes |
 //! |---|---|
@@ -32,8 +33,8 @@
 //! | a mesh whose z or x axis points up | turned, on demand: [`Up`] |
 //!
 //! # Pictures
-//! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others are
-//! converted, with a warning. PNG alone is sRGB-encoded.
+//! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others
+//! are converted, with a warning. PNG alone is sRGB-encoded.
 //!
 //! # Example
 //! ```

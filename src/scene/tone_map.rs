@@ -16,7 +16,8 @@ impl Default for ToneMap {
 }
 
 impl ToneMap {
-    /// Radiance is multiplied by `exposure`; what then exceeds 1 is white. A factor that is NaN or negative counts as 0.
+    /// Radiance is multiplied by `exposure`; what then exceeds 1 is white. A factor that is NaN or negative counts as
+    /// 0.
     pub fn with_exposure(exposure: f32) -> Self {
         Self { exposure: exposure.max(0.0) }
     }

@@ -52,8 +52,8 @@ impl View {
 }
 
 impl View {
-    /// The direction in which the radiance of a vertex is asked for: to the viewer, or along the normal for a BRDF that does
-    /// not depend on it, so that a diffuse vertex has its colour wherever it is seen from.
+    /// The direction in which the radiance of a vertex is asked for: to the viewer, or along the normal for a BRDF that
+    /// does not depend on it, so that a diffuse vertex has its colour wherever it is seen from.
     #[inline]
     pub fn outgoing(&self, brdf: &dyn Brdf, position: &Vector3<f32>, frame: &LocalFrame) -> Vector3<f64> {
         if brdf.is_view_independent() { frame.normal.cast() } else { self.wo(position) }

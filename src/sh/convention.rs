@@ -135,7 +135,8 @@ impl Convention {
     /// Filament's `cmgen --sh` and `CubemapSH::computeSH` without `irradiance`: [`SLOAN`](Self::SLOAN).
     ///
     /// With `irradiance` every degree is multiplied by A_l/π (1, 2/3, 1/4, …), the cosine's factor over π, as
-    /// [`Irradiance`](super::Irradiance) over π; what Filament's shader reads is [`DiffuseProbe::Filament`](super::DiffuseProbe::Filament).
+    /// [`Irradiance`](super::Irradiance) over π; what Filament's shader reads is
+    /// [`DiffuseProbe::Filament`](super::DiffuseProbe::Filament).
     pub const FILAMENT: Self = Self::SLOAN;
 
     /// 3D Gaussian splatting (`eval_sh`, `SH_C0` to `SH_C3`): [`SLOAN`](Self::SLOAN), up to 4 bands.

@@ -51,7 +51,8 @@ impl DiffuseProbe {
         std::array::from_fn(|i| radiance[i] * T::of(self.factor(i)))
     }
 
-    /// What the engine keeps → coefficients of radiance in this crate. Inverse of [`from_radiance`](Self::from_radiance).
+    /// What the engine keeps → coefficients of radiance in this crate. Inverse of
+    /// [`from_radiance`](Self::from_radiance).
     pub fn to_radiance<T: Real>(self, stored: &[T; 9]) -> [T; 9] {
         std::array::from_fn(|i| stored[i] * T::of(1.0 / self.factor(i)))
     }

@@ -1,10 +1,10 @@
 //! Spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, zonal functions, lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
-//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
-//! holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max + 1.)
-//! Other signs, scales, layouts and axes, with presets by project: [`Convention`], [`to_complex`] and, for what game engines
-//! keep of an environment, [`DiffuseProbe`].
+//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands`
+//! n holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max +
+//! 1.) Other signs, scales, layouts and axes, with presets by project: [`Convention`], [`to_complex`] and, for what
+//! game engines keep of an environment, [`DiffuseProbe`].
 //!
 //! | you have | you want | use |
 //! |---|---|---|

@@ -87,7 +87,8 @@ impl LatLongGrid {
         (0.5 + d.x.atan2(-d.z) / (2.0 * PI), d.x.hypot(d.z).atan2(d.y) / PI)
     }
 
-    /// The unit direction of the image point (u, v), which go on around outside [0, 1]; NaN where an angle 2πu or πv is not finite.
+    /// The unit direction of the image point (u, v), which go on around outside [0, 1]; NaN where an angle 2πu or πv is
+    /// not finite.
     #[inline]
     pub fn point(u: f64, v: f64) -> UnitVector3<f64> {
         let ((sin_u, cos_u), (sin_v, cos_v)) = ((2.0 * PI * (u - 0.5)).sin_cos(), (PI * v).sin_cos());

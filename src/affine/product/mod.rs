@@ -156,7 +156,7 @@ impl AffineProduct1d {
 /// ```
 /// use haarmonic::affine::{AffineMap, AffineProduct2d};
 /// use haarmonic::haar::{Quadtree, SparseVector};
-/// // F = 1 + ψ(x) is 2 on the left half. Moved by a quarter it covers [−¼, ¼), and G = 1 + ψ(y) is 2 on the upper half.
+/// // F = 1 + ψ(x) is 2 on the left half. Moved by a quarter it covers [−¼, ¼); G = 1 + ψ(y) is 2 on the upper half.
 /// let light = SparseVector::from_dense(&[1.0, 1.0, 0.0, 0.0]);
 /// let visibility = Quadtree::new(&SparseVector::from_dense(&[1.0, 0.0, 1.0, 0.0]))?;
 /// let plan = AffineProduct2d::new([&light])?;

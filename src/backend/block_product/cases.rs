@@ -33,7 +33,8 @@ impl Case {
     }
 }
 
-/// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
+/// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the
+/// processor knows what comes.
 #[derive(Debug, Clone)]
 pub(super) struct Cases {
     /// The courses that contribute, and their cases, as they came.
@@ -68,7 +69,8 @@ impl Cases {
         &self.lists[case as usize]
     }
 
-    /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.
+    /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all
+    /// pixels.
     pub(super) fn classes(&self) -> impl Iterator<Item = (usize, SampleClass)> + '_ {
         use Case::*;
         let classes = [

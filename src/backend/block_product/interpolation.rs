@@ -8,16 +8,16 @@ pub(super) const NODES: usize = 1 + 4 + 16;
 
 /// What is taken to lie between the samples of a block.
 ///
-/// A function is sampled at the centres of l × l parts of the block and stands for Σ_j f(node_j) φ_j. The sum over the block of
-/// light × visibility × function so is Σ_j f(node_j) G_j with weights G_j = Σ L V φ_j that hold the light alone: the change of
-/// basis [Inger 2013, eq. 4] is done when the light changes, not at every vertex.
+/// A function is sampled at the centres of l × l parts of the block and stands for Σ_j f(node_j) φ_j. The sum over the
+/// block of light × visibility × function so is Σ_j f(node_j) G_j with weights G_j = Σ L V φ_j that hold the light
+/// alone: the change of basis [Inger 2013, eq. 4] is done when the light changes, not at every vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum SampleBasis {
-    /// The l × l lowest cosines of the block, as in the paper. The mirrored continuation of a cosine series has a kink at the
-    /// block's edge: 16 coefficients miss a component of direction by .8 % (root mean square, 64²).
+    /// The l × l lowest cosines of the block, as in the paper. The mirrored continuation of a cosine series has a kink
+    /// at the block's edge: 16 coefficients miss a component of direction by .8 % (root mean square, 64²).
     Cosine,
-    /// Polynomials of degree l − 1 on each axis through the same samples. A fifth of the error of cosines and less wherever 16
-    /// samples are enough at all (docs/block_product.md).
+    /// Polynomials of degree l − 1 on each axis through the same samples. A fifth of the error of cosines and less
+    /// wherever 16 samples are enough at all (docs/block_product.md).
     #[default]
     Polynomial,
 }

@@ -10,7 +10,8 @@ use super::tiles::{Eight, TILE, Tiles};
 use crate::Result;
 use crate::sphere::{CubeGrid, CubeMap};
 
-/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a layout:
+/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a
+/// layout:
 ///
 /// | form | what for | bytes a texel |
 /// |---|---|---|
@@ -144,7 +145,8 @@ impl LightForms {
     /// Sums are taken in `f64` and rounded once. Any finite light will do: see [`scale`](Self::scale).
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite.
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid())?;
         let largest = light.texels().iter().map(|texel| texel.amax()).fold(0.0, f32::max);

@@ -185,7 +185,8 @@ impl Planner {
         }
     }
 
-    /// Errors of a lobe of this exponent, from those of the exponents below and above it on a grid of eighths of an octave.
+    /// Errors of a lobe of this exponent, from those of the exponents below and above it on a grid of eighths of an
+    /// octave.
     fn mirror(&mut self, exponent: f64) -> Arc<MirrorBounds> {
         let at = exponent_index(exponent);
         if let Some(bounds) = self.mirror.get(&at) {

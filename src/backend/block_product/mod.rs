@@ -1,8 +1,8 @@
 //! Locally adaptive products: all-frequency relighting with light, view and materials that change in every frame
 //! [Inger, Farbman & Lischinski 2013].
 //!
-//! The cube map around each vertex is cut into blocks of, say, 16² texels. Over most of them one of the three factors of
-//! light × visibility × reflectance is constant, and the triple product is no more than a dot product:
+//! The cube map around each vertex is cut into blocks of, say, 16² texels. Over most of them one of the three factors
+//! of light × visibility × reflectance is constant, and the triple product is no more than a dot product:
 //!
 //! | visibility of the block | reflectance needs | what is summed | samples |
 //! |---|---|---|---|

@@ -65,7 +65,8 @@ impl Kernel<3> for Eval<'_> {
     }
 }
 
-/// Whether a BRDF of which only values are known is finite wherever some thousands of them are asked for; the others are.
+/// Whether a BRDF of which only values are known is finite wherever some thousands of them are asked for; the others
+/// are.
 pub(super) fn is_finite(brdf: &dyn Brdf) -> bool {
     if !matches!(brdf.structure(), Structure::Opaque | Structure::Sum(_)) {
         return true;

@@ -25,8 +25,8 @@ use crate::{Error, Result, parallel};
 ///
 ///   radiance(v) = Σ_blocks Σ_places L V ρ cos,
 ///
-/// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with weights from
-/// suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.
+/// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with
+/// weights from suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.
 ///
 /// Frames do not allocate once the materials are known. The result does not depend on the number of threads.
 #[derive(Debug, Clone)]
@@ -77,8 +77,8 @@ impl<'a> Relighter<'a> {
     /// A relighter without light.
     ///
     /// # Errors
-    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance that is
-    /// negative or not finite.
+    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a
+    /// tolerance that is negative or not finite.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings) -> Result<Self> {
         check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
         if let Rule::Bounded { tolerance } = settings.rule {
@@ -125,8 +125,8 @@ impl<'a> Relighter<'a> {
         Ok(())
     }
 
-    /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the order of
-    /// frames.
+    /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the
+    /// order of frames.
     pub fn bytes(&self) -> usize {
         self.inputs.live.bytes() + with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
     }
@@ -143,8 +143,9 @@ impl<'a> Relighter<'a> {
     /// exponent or isotropic lobe about the half vector, some hundreds for an anisotropic one or a closure.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that was asked for, over
-    /// the hemisphere or for a pixel, is NaN or infinite (the index is the BRDF's); `out` is not a frame then.
+    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that
+    /// was asked for, over the hemisphere or for a pixel, is NaN or infinite (the index is the BRDF's); `out` is not a
+    /// frame then.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -154,8 +155,8 @@ impl<'a> Relighter<'a> {
         self.frame(view, materials, out)
     }
 
-    /// As [`relight`](Self::relight), but only for the vertices of faces that turn their front to the camera and may be in a picture of
-    /// the given aspect ratio (width/height). The others are black.
+    /// As [`relight`](Self::relight), but only for the vertices of faces that turn their front to the camera and may be
+    /// in a picture of the given aspect ratio (width/height). The others are black.
     ///
     /// # Errors
     /// As [`relight`](Self::relight), and [`Error::OutOfRange`] unless `aspect` is positive and finite.

@@ -35,7 +35,8 @@ impl Samples {
         self.len += N;
     }
 
-    /// Σ reflectance × weights of the list, which is empty then: eight running sums in `f32` of at most 128 terms each, then `f64`.
+    /// Σ reflectance × weights of the list, which is empty then: eight running sums in `f32` of at most 128 terms each,
+    /// then `f64`.
     #[inline(always)]
     pub(super) fn drain<const N: usize, K: Kernel<N>>(&mut self, kernel: K, normal: [f32; 3]) -> [f64; 3] {
         let len = self.len.next_multiple_of(TILE);

@@ -18,8 +18,9 @@ pub(super) struct Batch {
 /// The changes of all maps that are not hidden, in the order in which a frame reads them:
 /// [group of vertices][course][number of changes][map].
 ///
-/// All of a group's vertices look up a course before the next one comes, so that its table is read from the first cache; and
-/// maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended before.
+/// All of a group's vertices look up a course before the next one comes, so that its table is read from the first
+/// cache; and maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended
+/// before.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Schedule<C> {
     courses: usize,
@@ -144,7 +145,8 @@ mod tests {
     use super::*;
     use crate::compress::CodedBinaryMaps;
 
-    /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with its first half.
+    /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with
+    /// its first half.
     fn maps(vertices: usize) -> (CodedBinaryMaps<u8>, Paths) {
         let (mut maps, mut paths) = (CodedBinaryMaps::new(64).unwrap(), Paths::default());
         for v in 0..vertices {

@@ -23,7 +23,8 @@ pub(super) struct Tiles {
 pub(super) struct TilePath {
     /// The slot of each place.
     pub(super) slots: Vec<u32>,
-    /// [place][word]: a bit for the slot of each place from there on. A binary map is the exclusive or of those where it changes.
+    /// [place][word]: a bit for the slot of each place from there on. A binary map is the exclusive or of those where
+    /// it changes.
     pub(super) suffixes: Vec<u64>,
 }
 

@@ -15,10 +15,10 @@ use crate::{Error, Progress, Result, parallel};
 /// The visibility around every vertex of a static scene: for each block of the cube map the places where it changes
 /// [Inger 2013, §4.2]. Lossless for binary maps.
 ///
-/// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two for
-/// blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its changes end
-/// and a bit for its path, that of the layout's two along which it changes less often.
-/// It knows neither light, nor view, nor materials.
+/// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two
+/// for blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its
+/// changes end and a bit for its path, that of the layout's two along which it changes less often. It knows neither
+/// light, nor view, nor materials.
 ///
 /// # Example
 /// ```
@@ -90,14 +90,14 @@ impl Transport {
         })
     }
 
-    /// Traces `samples`² rays a texel, quantises the share that is free to `bits` and codes it: shadows without steps under
-    /// small bright lights.
+    /// Traces `samples`² rays a texel, quantises the share that is free to `bits` and codes it: shadows without steps
+    /// under small bright lights.
     ///
     /// `mesh` is the baker's. `progress` counts vertices.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15 and
-    /// 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15
+    /// and 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
     pub fn bake_gray(
         mesh: &Mesh,
         baker: &VisibilityBaker,
@@ -128,7 +128,8 @@ impl Transport {
     /// [`VisibilityBaker`] has made, none is.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another
+    /// mesh.
     pub fn from_binary(mesh: &Mesh, visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
         check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
         check_vertices("visibility maps", mesh.positions().len(), visibility.vertices())?;
@@ -142,10 +143,11 @@ impl Transport {
         })
     }
 
-    /// As [`from_binary`](Self::from_binary) of maps that end at the horizon of their vertex's normal already, as those of
-    /// [`VisibilityBaker`] do: they are coded as they are.
+    /// As [`from_binary`](Self::from_binary) of maps that end at the horizon of their vertex's normal already, as those
+    /// of [`VisibilityBaker`] do: they are coded as they are.
     ///
-    /// What is visible below the horizon all the same takes light away, because cosines go on there: a relit vertex gets black.
+    /// What is visible below the horizon all the same takes light away, because cosines go on there: a relit vertex
+    /// gets black.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes.

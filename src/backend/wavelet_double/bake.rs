@@ -96,8 +96,8 @@ impl Baker<'_> {
 
 /// A threshold below which the coefficients hold at most `tolerance`² of the energy Σ x².
 ///
-/// The energy is binned by the top bits of the magnitude (8 bins an octave), so that no sorting is needed; the threshold is the
-/// lower edge of the first bin that would exceed the budget.
+/// The energy is binned by the top bits of the magnitude (8 bins an octave), so that no sorting is needed; the
+/// threshold is the lower edge of the first bin that would exceed the budget.
 fn energy_threshold(coefs: &[f32], tolerance: f32) -> f32 {
     const SHIFT: u32 = 20;
     let mut bins = vec![0.0f64; 1 << (31 - SHIFT)];

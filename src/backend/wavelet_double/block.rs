@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// Vertices of one block of the transport matrix. A block's columns are contiguous, so that a light term reads one run of
-/// memory a block: fewer vertices make the runs short, more make the accumulators leave the first-level cache.
+/// Vertices of one block of the transport matrix. A block's columns are contiguous, so that a light term reads one run
+/// of memory a block: fewer vertices make the runs short, more make the accumulators leave the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
 /// The rows of some vertices, by column. A vertex has one row if its material has a colour, three otherwise.

@@ -79,8 +79,8 @@ impl<'a> Relighter<'a> {
     /// It is that of the materials that were baked, whatever these are.
     ///
     /// # Errors
-    /// [`Error::Length`] unless there is a material for each vertex, [`Error::Baked`] for a view other than the baked one, if radiance
-    /// depends on it.
+    /// [`Error::Length`] unless there is a material for each vertex, [`Error::Baked`] for a view other than the baked
+    /// one, if radiance depends on it.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.

@@ -52,8 +52,9 @@ impl<'a> Relighter<'a> {
     /// A relighter without light.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`](crate::Error::OutOfRange) for a fraction of terms outside
-    /// [0, 1] and for a table whose side is none of a cube map.
+    /// [`Error::Length`](crate::Error::Length) if mesh and transport disagree about the number of vertices,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a fraction of terms outside [0, 1] and for a table whose
+    /// side is none of a cube map.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings<'a>) -> Result<Self> {
         check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
         settings.light_terms.check()?;
@@ -78,8 +79,8 @@ impl<'a> Relighter<'a> {
         })
     }
 
-    /// Sets the light: radiance on the transport's grid. Any finite light: the brightest and darkest are scaled by a power
-    /// of two.
+    /// Sets the light: radiance on the transport's grid. Any finite light: the brightest and darkest are scaled by a
+    /// power of two.
     ///
     /// # Errors
     /// As [`ProjectedLight::set`] and [`Selection`](crate::haar::Selection).
@@ -107,17 +108,19 @@ impl<'a> Relighter<'a> {
         self.light.terms
     }
 
-    /// Bytes in memory that grow with the number of vertices or of different slices, beside the transport's: those of tabulated slices.
+    /// Bytes in memory that grow with the number of vertices or of different slices, beside the transport's: those of
+    /// tabulated slices.
     pub fn bytes(&self) -> usize {
         self.table.bytes() + size_of_val(self.morton.as_slice())
     }
 
-    /// The radiance that each vertex sends towards the viewer; finite (at most [`f32::MAX`]). Vertices without light (none
-    /// was set) are black.
+    /// The radiance that each vertex sends towards the viewer; finite (at most [`f32::MAX`]). Vertices without light
+    /// (none was set) are black.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh, [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF whose value for one of the texels is NaN or
-    /// infinite in `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
+    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF whose value for one of the texels is NaN or infinite in
+    /// `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.

@@ -21,7 +21,7 @@ pub struct Bicluster<'a> {
 impl Bicluster<'_> {
     /// Floating-point operations of its product with a vector: l multiplications and l − 1 additions give one number,
     /// which is added to r rows.
-    ///   W(B) = r + 2l − 1                                                            [bi-scale radiance transfer, eq. 7]
+    ///   W(B) = r + 2l − 1                                                          [bi-scale radiance transfer, eq. 7]
     pub fn cost(&self) -> usize {
         self.rows.len() + 2 * self.columns.len() - 1
     }
@@ -82,7 +82,8 @@ pub struct BiclusterStats {
     pub flops: usize,
     /// 2 nnz of the matrix.
     pub matrix_flops: usize,
-    /// Bytes of a [`BiclusterMultiplier`](super::BiclusterMultiplier) for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4 (rows + 1).
+    /// Bytes of a [`BiclusterMultiplier`](super::BiclusterMultiplier) for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4
+    /// (rows + 1).
     pub bytes: usize,
     /// Bytes of the matrix in compressed rows ([`SparseMatrix::bytes`]).
     pub matrix_bytes: usize,

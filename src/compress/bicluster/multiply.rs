@@ -7,7 +7,7 @@ use crate::{Real, parallel};
 /// T·x from the biclusters of T, for one or several right-hand sides.
 ///
 /// ```text
-/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
+/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                     [bi-scale radiance transfer, algorithm 2]
 /// ```
 ///
 /// All products first, then each row gathers those of the biclusters that it is in: two passes that read their lists

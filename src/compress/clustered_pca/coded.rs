@@ -255,8 +255,8 @@ impl<T: Real> ClusteredPca<T> {
         check_length("product", self.rows().saturating_mul(sides), out.len());
     }
 
-    /// The products with `count` lights at once: number k of light s is `x[k · count + s]`. What the means and components
-    /// give goes to `scratch`.
+    /// The products with `count` lights at once: number k of light s is `x[k · count + s]`. What the means and
+    /// components give goes to `scratch`.
     ///
     /// Accuracy: products with means and components are sums in `f64`, rounded once; a row is a sum of components + 1
     /// terms in `T`.

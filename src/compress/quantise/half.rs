@@ -80,7 +80,8 @@ impl QuantisedHalf {
         Ok(Self { bits, distortion })
     }
 
-    /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that were stored.
+    /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that
+    /// were stored.
     ///
     /// # Errors
     /// [`Error::NotFinite`] for the bits of NaN and infinity.

@@ -66,8 +66,8 @@ impl<'a, I: MapIndex> CodedGrayMap<'a, I> {
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
     ///   Σ_i V_i L_i = Σ_d V_d L_int\[c_d\]                                         [Inger 2013, eq. 5, 6]
     ///
-    /// Accuracy: as [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot), times the differences. Cost: a look-up a
-    /// change.
+    /// Accuracy: as [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot), times the differences. Cost: a
+    /// look-up a change.
     ///
     /// # Panics
     /// If `sums.len()` is not the map's.
@@ -338,8 +338,8 @@ impl<I: MapIndex> CodedGrayMaps<I> {
         stats
     }
 
-    /// The file form, as [`CodedBinaryMaps::to_bytes`](crate::compress::CodedBinaryMaps::to_bytes), with a byte for each new
-    /// level.
+    /// The file form, as [`CodedBinaryMaps::to_bytes`](crate::compress::CodedBinaryMaps::to_bytes), with a byte for
+    /// each new level.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = bytes::header(bytes::GRAY, self.map_len, self.len());
         out.push(self.top);
@@ -354,8 +354,8 @@ impl<I: MapIndex> CodedGrayMaps<I> {
     /// Reads [`to_bytes`](Self::to_bytes).
     ///
     /// # Errors
-    /// As [`CodedBinaryMaps::from_bytes`](crate::compress::CodedBinaryMaps::from_bytes); [`Error::Damaged`] for a level above the
-    /// top or equal to the one before it, too.
+    /// As [`CodedBinaryMaps::from_bytes`](crate::compress::CodedBinaryMaps::from_bytes); [`Error::Damaged`] for a level
+    /// above the top or equal to the one before it, too.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut reader = Reader::new("coded gray maps", bytes);
         let (map_len, count) = reader.header(bytes::GRAY)?;

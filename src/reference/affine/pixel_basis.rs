@@ -6,7 +6,7 @@ pub use crate::affine::pixel::pixel_coupling_slope;
 
 /// Affine coupling of two functions Φ_k = √N · 1 on [k/N, (k + 1)/N) of the orthonormal pixel basis.
 ///
-///   D_ij(s, o) = ∫ Φ_i(sv + o) Φ_j(v) dv = |[b_i, b_{i+1}] ∩ [j, j + 1]|,    b_k = (k − No)/s                  [Sun 2008, §4.4.1]
+///   D_ij(s, o) = ∫ Φ_i(sv + o) Φ_j(v) dv = |[b_i, b_{i+1}] ∩ [j, j + 1]|,    b_k = (k − No)/s       [Sun 2008, §4.4.1]
 ///
 /// the part of the source pixel, seen from the target, that lies in target pixel j, in pixels. Whether two pixels
 /// overlap is decided exactly for the numbers that `map` holds.

@@ -17,9 +17,9 @@ use crate::{Error, Result};
 
 /// A triangle mesh: positions, unit normals and unit tangents per vertex; counter-clockwise faces seen from outside.
 ///
-/// Every position is finite, every normal and tangent is a unit vector and they are perpendicular, every face names three
-/// vertices that are there. Vertices without a face are allowed; so are faces without area, which neither cast nor
-/// receive anything ([`repair`](Self::repair) drops them).
+/// Every position is finite, every normal and tangent is a unit vector and they are perpendicular, every face names
+/// three vertices that are there. Vertices without a face are allowed; so are faces without area, which neither cast
+/// nor receive anything ([`repair`](Self::repair) drops them).
 ///
 /// Positions are relative to the mesh's [`origin`](Self::origin), in world coordinates and `f64`; it is zero unless
 /// [`with_origin`](Self::with_origin) says otherwise. Distant light, visibility and everything else that is computed
@@ -51,8 +51,8 @@ impl Mesh {
 
     /// A mesh with given normals.
     ///
-    /// Normals are scaled to unit length; one that is zero, NaN or infinite is replaced by the angle-weighted mean of the
-    /// faces around its vertex, as in [`new`](Self::new).
+    /// Normals are scaled to unit length; one that is zero, NaN or infinite is replaced by the angle-weighted mean of
+    /// the faces around its vertex, as in [`new`](Self::new).
     ///
     /// # Errors
     /// Those of [`new`](Self::new), and [`Error::Length`] unless there is one normal a vertex.
@@ -168,11 +168,13 @@ impl Mesh {
 
     /// The mesh moved, turned, scaled or sheared.
     ///
-    /// Normals go with the inverse transpose, tangents with the map; a mirroring map turns the faces around, so that they
-    /// stay counter-clockwise seen from outside. The map acts on the positions; the [`origin`](Self::origin) stays.
+    /// Normals go with the inverse transpose, tangents with the map; a mirroring map turns the faces around, so that
+    /// they stay counter-clockwise seen from outside. The map acts on the positions; the [`origin`](Self::origin)
+    /// stays.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if the map's determinant is zero or not finite, [`Error::NotFinite`] if a vertex overflows.
+    /// [`Error::OutOfRange`] if the map's determinant is zero or not finite, [`Error::NotFinite`] if a vertex
+    /// overflows.
     pub fn transformed(&self, map: &Affine3<f64>) -> Result<Self> {
         let linear = map.matrix().fixed_view::<3, 3>(0, 0).into_owned();
         let determinant = linear.determinant();

@@ -64,11 +64,11 @@ impl std::fmt::Display for MeshRepair {
 impl Mesh {
     /// A mesh from parts that may be broken, and what had to be mended.
     ///
-    /// For file readers. In this order: a face that names a vertex that is not there is dropped; a face with a corner that
-    /// is NaN or infinite is dropped, and the vertex, which stays so that indices keep their meaning, is moved to the first
-    /// finite one; a face with a repeated corner or without area is dropped; a normal that is missing or unusable is made
-    /// from the faces that are left. Vertices without a face are kept. Nothing else is touched: no welding, no turning.
-    /// `normals` shorter or longer than `positions` counts as missing or superfluous at the end.
+    /// For file readers. In this order: a face that names a vertex that is not there is dropped; a face with a corner
+    /// that is NaN or infinite is dropped, and the vertex, which stays so that indices keep their meaning, is moved to
+    /// the first finite one; a face with a repeated corner or without area is dropped; a normal that is missing or
+    /// unusable is made from the faces that are left. Vertices without a face are kept. Nothing else is touched: no
+    /// welding, no turning. `normals` shorter or longer than `positions` counts as missing or superfluous at the end.
     ///
     /// # Errors
     /// [`Error::Empty`] if no vertex is finite or no face is left.

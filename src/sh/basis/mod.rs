@@ -207,8 +207,9 @@ impl<T: Real> Basis<T> {
         walk_gradient(&self.table, self.bands, d, &mut GradientPoint { values, gradients });
     }
 
-    /// All y_i and their gradients at many directions, a row for each coefficient as in [`eval_batch`](Self::eval_batch),
-    /// a slice for each component; the gradient is that of [`gradient`](Self::gradient).
+    /// All y_i and their gradients at many directions, a row for each coefficient as in
+    /// [`eval_batch`](Self::eval_batch), a slice for each component; the gradient is that of
+    /// [`gradient`](Self::gradient).
     ///
     /// # Panics
     /// If the three slices differ in length or an output's length is not bands² times it.

@@ -19,8 +19,8 @@ mod sealed {
 /// `[T; 64]` of `f32` or `f64`.
 ///
 /// For code that has one vector at a time, as a shader has: no plan to keep, no lengths to go wrong. Where there are
-/// many vectors, [`Basis::eval_batch`](super::Basis::eval_batch), [`Product::apply_batch`], [`Rotation`](super::Rotation) and
-/// [`Rotator::apply_quaternion_batch`] take a fraction of the time for each.
+/// many vectors, [`Basis::eval_batch`](super::Basis::eval_batch), [`Product::apply_batch`],
+/// [`Rotation`](super::Rotation) and [`Rotator::apply_quaternion_batch`] take a fraction of the time for each.
 ///
 /// Values of any size, and products, squares and rotations by matrices of up to three bands, are inlined: in a loop
 /// over arrays the compiler may put several vectors side by side. From four bands on they keep constants, which the

@@ -13,7 +13,8 @@
 //!
 //! d is the Jacobi recurrence in l at fixed M, K [Varshalovich et al. 1988, §4.8], at cos β = 0:
 //!
-//!   d^M_{MK} = 2^{−M} √C(2M, M+K),   w_{l+1} d^{l+1} = −(2l+1) M K/(l(l+1)) d^l − w_l d^{l−1},   w_l = √((l²−M²)(l²−K²))/l
+//!   d^M_{MK} = 2^{−M} √C(2M, M+K),
+//!   w_{l+1} d^{l+1} = −(2l+1) M K/(l(l+1)) d^l − w_l d^{l−1},   w_l = √((l²−M²)(l²−K²))/l
 //!
 //! P² = 1 holds to 2e-15 at 128 bands. The recurrence of blocks from block to block [Ivanic & Ruedenberg 1996] loses
 //! digits exponentially: 1e-15 at 16 bands, 1e-11 at 64, 4e-6 at 128.

@@ -137,7 +137,8 @@ impl<T: Real> Zonal<T> {
 
     /// max(cos θ, 0): the kernel that turns radiance into irradiance, π included.
     ///
-    ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)     [Sun 2008, eqs. 2.21–2.23]
+    ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else
+    ///   Â_l = 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)                           [Sun 2008, eqs. 2.21–2.23]
     ///
     /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands,
     /// 4e-15 below 100.

@@ -25,8 +25,8 @@ impl Errors {
 }
 
 impl Errors {
-    /// These errors, raised to what a single pixel of height `nearest` makes in a block of `side`²: a lobe can be so narrow that
-    /// the places where errors were measured miss it.
+    /// These errors, raised to what a single pixel of height `nearest` makes in a block of `side`²: a lobe can be so
+    /// narrow that the places where errors were measured miss it.
     pub(super) fn with_a_pixel_of(mut self, nearest: f64, side: usize) -> Self {
         let (rms, mean) = (nearest / side as f64, nearest / (side * side) as f64);
         if self.rms[0] < rms {
@@ -40,8 +40,8 @@ impl Errors {
     }
 }
 
-/// [`Errors`] on a logarithmic scale: 0 stands for no error, [`NEVER`] for more than can be said, and each step from 1 on
-/// multiplies the error by the 32nd root of 2.
+/// [`Errors`] on a logarithmic scale: 0 stands for no error, [`NEVER`] for more than can be said, and each step from 1
+/// on multiplies the error by the 32nd root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Codes {
     rms: Four,
@@ -209,8 +209,8 @@ impl Limits {
 
     /// The cosine to the mirror direction below which pixels may be left out of `factor` cosⁿ θ.
     ///
-    /// The larger of two: that where no pixel may count on its own; and, for a lobe wider than pixels, that where all beyond it
-    /// together, L F 2π ∫ cosⁿ θ sin θ dθ = L F 2π cosⁿ⁺¹ θ/(n + 1), are half of what the block is allowed.
+    /// The larger of two: that where no pixel may count on its own; and, for a lobe wider than pixels, that where all
+    /// beyond it together, L F 2π ∫ cosⁿ θ sin θ dθ = L F 2π cosⁿ⁺¹ θ/(n + 1), are half of what the block is allowed.
     pub(in crate::backend::block_product) fn least_cosine(&self, factor: f64, exponent: f64, pixel: f64) -> f64 {
         let darkness = (f64::from(self.rms.max(self.mean) - self.spread - offset(factor)) - ZERO) / STEPS;
         // An exponent of 0 leaves out nothing: 2^(−∞ · 1e30) = 0.
@@ -223,7 +223,8 @@ impl Limits {
     }
 }
 
-/// Exponent × square of the radius of a pixel, to which sums over pixels are integrals: those of Gaussians of a width of two radii.
+/// Exponent × square of the radius of a pixel, to which sums over pixels are integrals: those of Gaussians of a width
+/// of two radii.
 const WIDE: f64 = 0.25;
 
 /// Norms of the light of a block of N pixels, of its brightest channel.

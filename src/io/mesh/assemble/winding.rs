@@ -67,7 +67,8 @@ impl Surface {
     }
 }
 
-/// What [`Winding::Repair`](crate::io::Winding::Repair) turns: one entry a face. Warns of that, and of what stays as it is.
+/// What [`Winding::Repair`](crate::io::Winding::Repair) turns: one entry a face. Warns of that, and of what stays as it
+/// is.
 pub(super) fn repair(given: &Faces<'_>, report: &mut Report) -> Vec<bool> {
     let mut plan = Plan::new(given);
     plan.find_surfaces();
