@@ -9,10 +9,10 @@
 //! | OpenEXR, flat, every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
 //! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
 //!
-//! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`] that names the file and the
-//! place in it; what could be repaired comes back with a [`Warning`] in [`Loaded`]. What a header promises is
-//! checked against the bytes that are there before memory is taken for it. Every reader also exists as a function
-//! of bytes (`read_obj`, `read_ply`, …), which never touches the file system.
+//! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`](crate::Error::File) that
+//! names the file and the place in it; what could be repaired comes back with a [`Warning`] in [`Loaded`]. What a
+//! header promises is checked against the bytes that are there before memory is taken for it. Every reader also exists
+//! as a function of bytes (`read_obj`, `read_ply`, …), which never touches the file system.
 //!
 //! Every `save_…` writes a temporary file beside its target and renames it, so that an interrupted run leaves either
 //! the old file or the new one.
@@ -23,7 +23,7 @@
 //!
 //! | what | becomes |
 //! |---|---|
-//! | coordinates that `f32` would round visibly, as far from zero | an origin is taken off in `f64`: [`Mesh::origin`] |
+//! | coordinates that `f32` would round visibly, as far from zero | an origin is taken off in `f64`: [`Mesh::origin`](crate::scene::Mesh::origin) |
 //! | polygons | triangles: a fan around the first corner where that covers it (always for convex ones), ear clipping (crate `earcut`) otherwise; holes are joined to the outline by bridges, corners that come twice. An outline that crosses itself is cut as well as it can be |
 //! | vertices that are NaN or infinite | dropped if no face uses them, else an error |
 //! | faces without area, vertices without a face | dropped |

@@ -25,7 +25,7 @@ use crate::scene::Mesh;
 /// [`load_mesh_with`] with the default options: y is up, and closed surfaces that are wound inside out are turned.
 ///
 /// # Errors
-/// [`Error::File`] with the place for anything that cannot be read or repaired.
+/// [`Error::File`](crate::Error::File) with the place for anything that cannot be read or repaired.
 pub fn load_mesh(path: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
     load_mesh_with(path, &MeshOptions::default())
 }
@@ -39,7 +39,7 @@ pub fn load_mesh(path: impl AsRef<Path>) -> Result<Loaded<Mesh>> {
 /// A `.gltf` file may name buffers beside it. Only relative paths to the file's own folder or below are followed.
 ///
 /// # Errors
-/// [`Error::File`] with the place for anything that cannot be read or repaired.
+/// [`Error::File`](crate::Error::File) with the place for anything that cannot be read or repaired.
 pub fn load_mesh_with(path: impl AsRef<Path>, options: &MeshOptions) -> Result<Loaded<Mesh>> {
     let path = path.as_ref();
     let bytes = read_file(path)?;

@@ -56,7 +56,7 @@ use crate::{Error, Result};
 ///
 /// Repaired with a warning: GLB chunks that are out of order, padded in other ways than the standard's or cut short,
 /// and a length of the whole that is not true; JSON that is not UTF-8, has NaN for a number (null) or is padded with
-/// NUL; instances that cannot be read (the mesh stands once); and what is repaired in [every format](super#meshes).
+/// NUL; instances that cannot be read (the mesh stands once); and what is repaired in [every format](crate::io#meshes).
 ///
 /// # Errors
 /// [`Error::File`] with the line of the JSON or the name of the object in it: compressed data (Draco, meshopt), other

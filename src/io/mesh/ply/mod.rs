@@ -33,7 +33,7 @@ use crate::scene::Mesh;
 /// any C library prints it.
 ///
 /// Repaired with a warning: faces with fewer than three corners, bytes after the end, and what is repaired in
-/// [every format](super#meshes).
+/// [every format](crate::io#meshes).
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line, or the element and byte offset, for everything else that cannot
