@@ -9,7 +9,9 @@ use crate::{Error, Result};
 
 /// Affine coupling of two atoms of any level.
 ///
-///   D(s, o) = ∫ f_{l_i,t_i}(s v + o) g_{l_j,t_j}(v) dv = 2^{(l_i − l_j)/2} M_fg(r, c)      [Sun 2008, eqs. 4.20–4.23]
+/// ```math
+/// D(s, o) = ∫ f_{l_i,t_i}(s v + o) g_{l_j,t_j}(v) dv = 2^{(l_i − l_j)/2} M_fg(r, c)      [Sun 2008, eqs. 4.20–4.23]
+/// ```
 ///
 /// r = 2^{l_j − l_i − 1}/s, c = 2^{l_j}((t_i + ½) 2^{−l_i} − o)/s − t_j (where 2^{l_j} o is 2^{l_i} o in print); the
 /// atoms are zero outside their supports. r and c, once rounded, have lost the coupling where |s| is small, so it is
@@ -43,7 +45,9 @@ pub fn coupling(source: Atom, target: Atom, map: AffineMap) -> f64 {
 /// times the target's value g_k on the side to which it moves: with the amplitudes 2^{(l_i + l_j)/2} and the signs g_k
 /// decided without rounding,
 ///
-///   ∂D/∂s = −2^{(l_i + l_j)/2} (Σ w_k g_k x_k − o Σ w_k g_k)/(s |s|),    ∂D/∂o = −2^{(l_i + l_j)/2} Σ w_k g_k/|s|.
+/// ```math
+/// ∂D/∂s = −2^{(l_i + l_j)/2} (Σ w_k g_k x_k − o Σ w_k g_k)/(s |s|),    ∂D/∂o = −2^{(l_i + l_j)/2} Σ w_k g_k/|s|.
+/// ```
 ///
 /// Accuracy: below 4 ε of each derivative itself, at the kinks of the numbers that the map holds and nowhere else.
 ///

@@ -7,7 +7,9 @@ use crate::{Error, Real, Result};
 
 /// The light of a light field that arrives at a point.
 ///
-///   L(v) = F(z v + x, v),   L_k(z, x) = Σ_ij F_ij D_ijk(z, x)                         [Sun 2008, §4.5.3, eq. 4.37]
+/// ```math
+/// L(v) = F(z v + x, v),   L_k(z, x) = Σ_ij F_ij D_ijk(z, x)                         [Sun 2008, §4.5.3, eq. 4.37]
+/// ```
 ///
 /// for F(v₁, v₂) = Σ F_ij ψ_i(v₁) ψ_j(v₂): v₁ on the light's plane, v₂ the direction (the intercept on a plane at unit
 /// distance); s = z is the height of the point, o = x its place. In space each axis has its own map, and F has four

@@ -13,7 +13,9 @@ use crate::haar::{Index1d, Index2d, WaveletKind};
 
 /// Affine tripling of three atoms of any level, the first of which is transformed.
 ///
-///   D(s, o) = ∫ f(s v + o) g(v) h(v) dv = ±2^{l/2} ∫ f(s v + o) (atom)(v) dv       [Sun 2008, eqs. 4.10, 4.29]
+/// ```math
+/// D(s, o) = ∫ f(s v + o) g(v) h(v) dv = ±2^{l/2} ∫ f(s v + o) (atom)(v) dv       [Sun 2008, eqs. 4.10, 4.29]
+/// ```
 ///
 /// by [`Atom::product`] of g and h. For wavelets j ≠ k, n the coarse and m the fine one, this is σ 2^{(l_i − l_m +
 /// l_n)/2} M(r, c) with σ = −1 where bit l_m − l_n − 1 of t_m is set; for j = k it is 2^{l_i/2} M_ψφ(r, c). The thesis

@@ -8,7 +8,9 @@ use crate::sphere::{CubeGrid, CubeMap};
 
 /// Radiance weighted for product integrals, as texels and in the Haar basis of each face, three channels.
 ///
-///   L'(texel) = L(texel) · side² · Ω(texel),  Σ_texels L V B Ω = Σ_faces mean(L' V B)
+/// ```math
+/// L'(texel) = L(texel) · side² · Ω(texel),  Σ_texels L V B Ω = Σ_faces mean(L' V B)
+/// ```
 ///
 /// It is not a radiance any more, hence the type of its own.
 #[derive(Debug, Clone)]

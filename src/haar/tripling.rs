@@ -64,7 +64,9 @@ fn sorted(mut triple: [usize; 3]) -> [usize; 3] {
 
 /// Tripling coefficient of three functions of the 1D basis, by flat index, in any order.
 ///
-///   C_ijk = ∫₀¹ ψ_i ψ_j ψ_k dv                                                   [Sun 2008, eq. 4.6]
+/// ```math
+/// C_ijk = ∫₀¹ ψ_i ψ_j ψ_k dv                                                   [Sun 2008, eq. 4.6]
+/// ```
 ///
 /// Cost: a few integer operations.
 ///
@@ -93,7 +95,9 @@ pub fn tripling_1d(i: usize, j: usize, k: usize) -> Tripling {
 
 /// Tripling coefficient of three functions of the 2D nonstandard basis, by flat index, in any order.
 ///
-///   C_ijk = ∫∫ Ψ_i Ψ_j Ψ_k dx dy                                   [Ng et al. 2004, §5.1, the three cases]
+/// ```math
+/// C_ijk = ∫∫ Ψ_i Ψ_j Ψ_k dx dy                                   [Ng et al. 2004, §5.1, the three cases]
+/// ```
 ///
 /// Always an integer. Cost: a few integer operations.
 ///
@@ -132,7 +136,9 @@ fn negative(kind: WaveletKind, right: usize, low: usize) -> bool {
 
 /// How many of the size³ ordered triples (i, j, k) of the 1D basis have C_ijk ≠ 0.
 ///
-///   1 + 3(N − 1) + 3 Σ_l l 2^l = 3N log₂N − 3N + 4: 52, 148, 388, 964 for N = 8, 16, 32, 64
+/// ```math
+/// 1 + 3(N − 1) + 3 Σ_l l 2^l = 3N log₂N − 3N + 4: 52, 148, 388, 964 for N = 8, 16, 32, 64
+/// ```
 ///
 /// # Errors
 /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2⁵⁶, where the number leaves 64 bits.
@@ -150,7 +156,9 @@ pub fn tripling_count_1d(size: usize) -> Result<u64> {
 
 /// How many of the side⁶ ordered triples of the 2D nonstandard basis have C_ijk ≠ 0.
 ///
-///   1 + 3(N² − 1) + 6 (N² − 1)/3 + 27 Σ_l l 4^l: 1288 for side 8
+/// ```math
+/// 1 + 3(N² − 1) + 6 (N² − 1)/3 + 27 Σ_l l 4^l: 1288 for side 8
+/// ```
 ///
 /// # Errors
 /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 2²⁸, where the number leaves 64 bits.

@@ -20,7 +20,9 @@ pub fn legendre<T: Real>(l: usize, x: T) -> T {
 
 /// P_0(x), P_1(x), … for as many degrees as `out` holds.
 ///
-///   D_{l+1} = (l D_l − (2l+1)(1 − x) P_l)/(l+1),  P_{l+1} = P_l + D_{l+1},  x ≥ 0; P_l(−x) = (−1)^l P_l(x)
+/// ```math
+/// D_{l+1} = (l D_l − (2l+1)(1 − x) P_l)/(l+1),  P_{l+1} = P_l + D_{l+1},  x ≥ 0; P_l(−x) = (−1)^l P_l(x)
+/// ```
 ///
 /// which is the three-term recurrence [Abramowitz & Stegun 22.7.10] for differences: near x = ±1, where P_l changes
 /// fastest, 1 − |x| is exact and rounding stays small. Exact at ±1. Accuracy, absolute, `f64`: 5e-16 below degree 64,

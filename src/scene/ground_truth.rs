@@ -60,7 +60,9 @@ impl std::fmt::Debug for TexelVisibility<'_> {
 
 /// The radiance of every vertex under distant light, summed over all texels.
 ///
-///   L_o(v) = Σ_t L_t V_t(v) f(wi_t, wo(v)) max(cos θ_t, 0) Ω_t
+/// ```math
+/// L_o(v) = Σ_t L_t V_t(v) f(wi_t, wo(v)) max(cos θ_t, 0) Ω_t
+/// ```
 ///
 /// in `f64`, through [`Brdf::eval`]. No approximation but the texels themselves: light, visibility and BRDF are
 /// constant over a texel, taken at its centre. Texels with V = 0 and texels below the horizon are passed over, which

@@ -10,7 +10,9 @@ use crate::{Error, Result};
 
 /// The pixel grid of a latitude–longitude map.
 ///
-///   u = ½ + atan2(x, −z)/2π,  v = acos(y)/π
+/// ```math
+/// u = ½ + atan2(x, −z)/2π,  v = acos(y)/π
+/// ```
 ///
 /// The image's centre looks along −z with +x to its right; v = 0, the top, is +y. Pixels are stored row after row from
 /// the top left: index = row · width + column.
@@ -117,7 +119,9 @@ impl LatLongGrid {
 
     /// The exact solid angle of every pixel of a row, in steradians.
     ///
-    ///   Ω = 2π/W · (cos πr/H − cos π(r + 1)/H) = 4π/W · sin(π(2r + 1)/2H) sin(π/2H)
+    /// ```math
+    /// Ω = 2π/W · (cos πr/H − cos π(r + 1)/H) = 4π/W · sin(π(2r + 1)/2H) sin(π/2H)
+    /// ```
     ///
     /// # Panics
     /// If there is no such row.

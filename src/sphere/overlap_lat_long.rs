@@ -5,8 +5,10 @@
 //! texel is an arc of a great circle, whatever the rotation, and along it ∫ s dφ has a closed form.
 //!
 //! With unit normal n = (horizontal n_h, vertical n_s > 0) and t the angle from the circle's highest point,
-//!   s = n_h cos t,  tan α = sin t/(n_s cos t),  α = φ − φ of the highest point
-//!   ∫ s dφ = F = atan(n_h sin t/n_s)
+//! ```math
+//! s = n_h cos t,  tan α = sin t/(n_s cos t),  α = φ − φ of the highest point
+//! ∫ s dφ = F = atan(n_h sin t/n_s)
+//! ```
 //! because dα/dt = n_s/(n_s² cos²t + sin²t) and the denominator is n_s² + n_h² sin²t.
 //!
 //! Neighbouring quadrilaterals walk their common edge in opposite directions, so all shares of a pixel sum to its solid

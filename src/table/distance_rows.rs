@@ -6,7 +6,9 @@
 //! this row, odd, from the runs of equal pixels of that column; it is g(k) = max(0, 2|k| − 1) away along the row, k =
 //! x − x′, if the strip of the column is meant with its two sides. With the vertical pieces of boundary in this row
 //! itself,
-//!   d² = min(min_x′ g(x − x′)² + V(x′)², min_e (2|x − e|)²),   e the places of those pieces.
+//! ```math
+//! d² = min(min_x′ g(x − x′)² + V(x′)², min_e (2|x − e|)²),   e the places of those pieces.
+//! ```
 //! It does not matter on which side of the boundary x′ lies: each candidate is a point of the boundary.
 //!
 //! Two ways to the minimum. Near candidates: for k = 1, 2, … the row shifted by k, in vectors, until nothing can be

@@ -90,7 +90,9 @@ impl<'a, T: Real> SummedAreaRef<'a, T> {
 
     /// ∫ f over a rectangle, nothing outside the image; negative where the rectangle is inverted along one axis, 0
     /// where it is empty.
-    ///   (S(b, r) − S(b, l)) − (S(t, r) − S(t, l))                    [Xu 2006 eq. 2]
+    /// ```math
+    /// (S(b, r) − S(b, l)) − (S(t, r) − S(t, l))                    [Xu 2006 eq. 2]
+    /// ```
     ///
     /// Accuracy: some ε of the largest entry it meets, absolute.
     #[inline]

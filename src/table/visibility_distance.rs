@@ -26,7 +26,9 @@ pub struct VisibilityDistanceScratch {
 }
 
 /// How to build visibility distance tables of one map size: exact signed Euclidean distances, one map or many.
-///   D = ±d, + where the map is 1; d from a pixel's centre to the nearest boundary of 0 and 1          [Xu 2006 §4.3]
+/// ```math
+/// D = ±d, + where the map is 1; d from a pixel's centre to the nearest boundary of 0 and 1          [Xu 2006 §4.3]
+/// ```
 ///
 /// The boundary runs along the sides of pixels, so that d is the distance to the closed unit square of the nearest
 /// unlike pixel: next to a straight edge ½, 1½, … (distances between centres would be 1, 2, …, and off by a half on

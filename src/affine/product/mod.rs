@@ -57,7 +57,9 @@ fn route(terms: usize, area: f64) -> ProductRoute {
 
 /// Plan of ∫ F(s v + o) Π_k G_k(v) dv over [0, 1) for one 1D signal F, many maps and factors.
 ///
-///   no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
+/// ```math
+/// no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
+/// ```
 ///
 /// F is 0 outside [0, 1). The sizes of F and of the factors may differ. Nothing is allocated after construction.
 /// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against

@@ -23,7 +23,9 @@ use crate::{Error, Result, parallel};
 
 /// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
 ///
-///   radiance(v) = Σ_blocks Σ_places L V ρ cos,
+/// ```math
+/// radiance(v) = Σ_blocks Σ_places L V ρ cos,
+/// ```
 ///
 /// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with
 /// weights from suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.

@@ -15,7 +15,9 @@ use crate::{Error, Result, parallel};
 
 /// Relights a scene from its [`Transport`] under lights that change.
 ///
-///   radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```math
+/// radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```
 ///
 /// over the few i that the light keeps.
 #[derive(Debug, Clone)]

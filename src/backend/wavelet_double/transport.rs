@@ -13,7 +13,9 @@ use crate::{Error, Progress, Result};
 /// The transport of a static scene seen from one view (from any view, if the materials do not depend on it): visibility
 /// × brdf_cos of every vertex in the nonstandard Haar basis of each cube-map face, sparse, by wavelet.
 ///
-///   radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```math
+/// radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```
 ///
 /// with L the light's coefficients (texels weighted by side² × solid angle). The matrix is stored in blocks of 256
 /// vertices, each by column, so that a light of few terms reads only its own columns.

@@ -15,7 +15,9 @@ use crate::{Result, parallel};
 
 /// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
 ///
-///   radiance(v) = Σ_faces ∫ L B_v V_v = Σ_ijk L_i B_vj V_vk C_ijk                     [Ng 2004, eq. 4]
+/// ```math
+/// radiance(v) = Σ_faces ∫ L B_v V_v = Σ_ijk L_i B_vj V_vk C_ijk                     [Ng 2004, eq. 4]
+/// ```
 ///
 /// With all terms kept this is the sum over all texels; to rounding, ground truth.
 #[derive(Debug, Clone)]

@@ -21,14 +21,18 @@ pub struct Bicluster<'a> {
 impl Bicluster<'_> {
     /// Floating-point operations of its product with a vector: l multiplications and l − 1 additions give one number,
     /// which is added to r rows.
-    ///   W(B) = r + 2l − 1                                                          [bi-scale radiance transfer, eq. 7]
+    /// ```math
+    /// W(B) = r + 2l − 1                                                          [bi-scale radiance transfer, eq. 7]
+    /// ```
     pub fn cost(&self) -> usize {
         self.rows.len() + 2 * self.columns.len() - 1
     }
 }
 
 /// A sparse matrix as a sum of biclusters, without loss.
-///   T = Σ_i B_i                                                                      [bi-scale radiance transfer §IV]
+/// ```math
+/// T = Σ_i B_i                                                                      [bi-scale radiance transfer §IV]
+/// ```
 ///
 /// Each bicluster grows from one element by the best of all moves (another row or column, or one less) until none saves
 /// more operations; it is subtracted, and the search goes on in what is left, which is negative where a row has less

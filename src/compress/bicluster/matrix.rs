@@ -4,7 +4,9 @@ use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// A sparse matrix whose entries are integer levels times one scale; compressed rows.
-///   T_jk = scale · level_jk
+/// ```math
+/// T_jk = scale · level_jk
+/// ```
 ///
 /// Integers, because compression that gives back every bit must subtract, and differences of floating-point numbers are
 /// not exact. Visibility sampled 2^m × 2^m times a texel has the levels 0…2^{2m} and the scale 2^{−2m} [bi-scale

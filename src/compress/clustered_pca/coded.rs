@@ -15,7 +15,9 @@ use crate::{Error, Progress, Real, Result, parallel};
 
 /// The rows of a matrix, each as a cluster c and weights of that cluster's principal components [Sloan, Hall, Hart &
 /// Snyder 2003].
-///   x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
+/// ```math
+/// x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
+/// ```
 ///
 /// The second line is what this is for: a light l meets the means and components once, and each row is then
 /// `components` multiplications and additions.

@@ -11,7 +11,9 @@ use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// Principal components of the rows of a matrix: the mean and the directions in which rows vary most.
-///   x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
+/// ```math
+/// x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
+/// ```
 ///
 /// Of all affine subspaces of its dimension (through the origin with [`Centre::Origin`]) this is the one with the least
 /// sum of squared distances to the rows. Components are orthonormal, variances descend, and the entry of largest

@@ -16,7 +16,9 @@ pub enum ByteBlocks {
 }
 
 /// Numbers as 8 bits each.
-///   x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
+/// ```math
+/// x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
+/// ```
 ///
 /// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met,
 /// a block of equal numbers is exact.

@@ -87,7 +87,9 @@ impl<'a, I: MapIndex> CodedBinaryMap<'a, I> {
     }
 
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
-    ///   Σ_i V_i L_i = L_int\[c_0\] − L_int\[c_1\] + L_int\[c_2\] − …                  [Inger 2013, eq. 5, 6]
+    /// ```math
+    /// Σ_i V_i L_i = L_int[c_0] − L_int[c_1] + L_int[c_2] − …                  [Inger 2013, eq. 5, 6]
+    /// ```
     ///
     /// Accuracy: the error of each sum that is looked up; the differences are taken in `f64`. Cost: a look-up a change.
     /// NaN and infinite samples are in all sums that begin before them, whether the map keeps them or not; not so in

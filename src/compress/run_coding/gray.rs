@@ -10,7 +10,9 @@ use crate::error::check_length;
 use crate::{Error, Real, Result};
 
 /// A quantised map by the places where it changes and the levels it changes to, borrowed.
-///   V = level / top, level 0 before the first change
+/// ```math
+/// V = level / top, level 0 before the first change
+/// ```
 ///
 /// The *new level* is stored rather than the difference [Inger 2013, §4.2]: differences of 8-bit levels need 9 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -64,7 +66,9 @@ impl<'a, I: MapIndex> CodedGrayMap<'a, I> {
     }
 
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
-    ///   Σ_i V_i L_i = Σ_d V_d L_int\[c_d\]                                         [Inger 2013, eq. 5, 6]
+    /// ```math
+    /// Σ_i V_i L_i = Σ_d V_d L_int[c_d]                                         [Inger 2013, eq. 5, 6]
+    /// ```
     ///
     /// Accuracy: as [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot), times the differences. Cost: a
     /// look-up a change.

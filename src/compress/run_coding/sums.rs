@@ -68,7 +68,9 @@ macro_rules! sample {
 sample!(f32 f64);
 
 /// The suffix sums of each block of `len` samples.
-///   out\[i\] = Σ_{j≥i} signal\[j\] within the block                                  [Inger 2013, eq. 6]
+/// ```math
+/// out[i] = Σ_{j≥i} signal[j] within the block                                  [Inger 2013, eq. 6]
+/// ```
 ///
 /// Compute once for each new light, for any number of blocks: what
 /// [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot) looks up.

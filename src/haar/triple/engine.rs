@@ -101,7 +101,9 @@ pub enum Route {
 
 /// Plan of ∫ L B V over squares of one side.
 ///
-///   ∫∫ L B V dx dy = Σ_ijk L_i B_j V_k C_ijk                                    [Ng et al. 2004, eq. 4]
+/// ```math
+/// ∫∫ L B V dx dy = Σ_ijk L_i B_j V_k C_ijk                                    [Ng et al. 2004, eq. 4]
+/// ```
 ///
 /// Accuracy: sums in T over at most 256 nodes a list or 1024 texels, then f64. Measured against f64 texels, relative to
 /// max|L| max|B| max|V|: below 4e-7 in f32 (the rounding of the inputs to f32 included) and 1e-15 in f64, by either

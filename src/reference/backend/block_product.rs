@@ -29,7 +29,9 @@ pub fn positions(side: usize, along: usize) -> Vec<f64> {
 
 /// The value at each pixel (row) that one sample of 1 and the others 0 give (column).
 ///
-///   Σ_uv A_uv b_u(x) b_v(y) = ρ̃(x, y) at the samples              [Inger 2013, eq. 4],
+/// ```math
+/// Σ_uv A_uv b_u(x) b_v(y) = ρ̃(x, y) at the samples              [Inger 2013, eq. 4],
+/// ```
 ///
 /// with b_u(x) = cos((2x + 1)uπ/2N) — the print has cos(2πxu/N), whose equations are singular — or the powers of x,
 /// solved for A and evaluated at the pixels.
@@ -161,10 +163,12 @@ impl Vertex<'_> {
 
 /// The samples of a block under the fixed rule.
 ///
-///   angle between centre and mirror direction:      < π/8      < π/4      beyond      [Inger 2013, appendix A]
-///   exponent below 30                               2          2          1
-///   below 250                                       4          2          1
-///   250 and more                                    pixels     2          1
+/// ```math
+/// angle between centre and mirror direction:      < π/8      < π/4      beyond      [Inger 2013, appendix A]
+/// exponent below 30                               2          2          1
+/// below 250                                       4          2          1
+/// 250 and more                                    pixels     2          1
+/// ```
 ///
 /// The print is silent about 30 and 250 and calls a block near that has its centre near: with `radius` 0 it is so here;
 /// with the block's angular radius a block is near if any of it is.

@@ -33,7 +33,9 @@ pub fn bicluster_values(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) 
 }
 
 /// The floating-point operations that the bicluster of a submatrix saves.
-///   ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M − B)                    [bi-scale radiance transfer, eq. 9, signs restored]
+/// ```math
+/// ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M − B)                    [bi-scale radiance transfer, eq. 9, signs restored]
+/// ```
 pub fn bicluster_saving(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) -> i64 {
     let values = bicluster_values(matrix, rows, columns);
     let (mut nonzeros, mut residuals) = (0, 0);

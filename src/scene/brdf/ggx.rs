@@ -14,11 +14,13 @@ use crate::scene::LocalFrame;
 
 /// Cook and Torrance's microfacet model with the anisotropic GGX distribution.
 ///
-///   f = D(h) F(wo·h) G₂(wi, wo) / (4 cos θ_i cos θ_o)
-///   D = 1 / (π α_x α_y (h_x²/α_x² + h_y²/α_y² + h_z²)²)                                 [Walter 2007]
-///   G₂/(4 cos θ_i cos θ_o) = 1 / (2 (cos θ_o λ(wi) + cos θ_i λ(wo))),
-///   λ(w) = √(α_x² w_x² + α_y² w_y² + w_z²)                                               [Heitz 2014]
-///   F = F₀ + (1 − F₀)(1 − wo·h)⁵                                                         [Schlick 1994]
+/// ```math
+/// f = D(h) F(wo·h) G₂(wi, wo) / (4 cos θ_i cos θ_o)
+/// D = 1 / (π α_x α_y (h_x²/α_x² + h_y²/α_y² + h_z²)²)                                 [Walter 2007]
+/// G₂/(4 cos θ_i cos θ_o) = 1 / (2 (cos θ_o λ(wi) + cos θ_i λ(wo))),
+/// λ(w) = √(α_x² w_x² + α_y² w_y² + w_z²)                                               [Heitz 2014]
+/// F = F₀ + (1 − F₀)(1 − wo·h)⁵                                                         [Schlick 1994]
+/// ```
 ///
 /// Reciprocal. Single scattering: the directional albedo is below 1, and the rougher the surface the further below.
 /// An F₀ of three equal channels has a colour, white; another one has none, since F goes to white at grazing angles.

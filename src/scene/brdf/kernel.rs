@@ -295,7 +295,9 @@ pub(super) fn scaled(rgb: &Vector3<f64>, scale: f64, constant: f64) -> (Vector3<
 
 /// log₂(1 + t) for t ∈ (−1, ∞), normal numbers; t = −1 gives −127, not −∞.
 ///
-///   1 + t = 2^k (1 + u), √½ ≤ 1 + u < √2;  log₂(1 + u) = (2/ln 2) artanh(u/(2 + u))
+/// ```math
+/// 1 + t = 2^k (1 + u), √½ ≤ 1 + u < √2;  log₂(1 + u) = (2/ln 2) artanh(u/(2 + u))
+/// ```
 ///
 /// The series of artanh breaks off after s⁹/9, s ≤ 0.172: 2e-9 relative. For k = 0, u is t itself, so that small t keep
 /// their relative precision. Accuracy: relative error ≤ 3 ε (measured in the tests).
@@ -316,7 +318,9 @@ pub(super) fn log2_1p(t: f32) -> f32 {
 
 /// 2^y for y ≤ 127; 0 for y ≤ −126.
 ///
-///   y = k + r, |r| ≤ ½;  2^r = Σ_{j ≤ 7} (r ln 2)^j / j!
+/// ```math
+/// y = k + r, |r| ≤ ½;  2^r = Σ_{j ≤ 7} (r ln 2)^j / j!
+/// ```
 ///
 /// The series' remainder is 5e-9. Accuracy: relative error ≤ 2 ε (measured in the tests).
 #[inline(always)]

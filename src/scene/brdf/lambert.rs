@@ -12,7 +12,9 @@ use crate::scene::LocalFrame;
 
 /// The ideal diffuse surface.
 ///
-///   f = albedo / π
+/// ```math
+/// f = albedo / π
+/// ```
 ///
 /// Accuracy of `add_cos`: absolute error ≤ 4 ε_f32 · albedo/π against `eval` times the cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]

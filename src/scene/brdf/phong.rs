@@ -14,7 +14,9 @@ use crate::scene::LocalFrame;
 
 /// The modified, normalised Phong lobe about the mirror direction.
 ///
-///   f = albedo (n + 2)/2π max(r·wi, 0)^n,  r = the mirror image of wo          [Lewis 1994; Lafortune & Willems 1994]
+/// ```math
+/// f = albedo (n + 2)/2π max(r·wi, 0)^n,  r = the mirror image of wo          [Lewis 1994; Lafortune & Willems 1994]
+/// ```
 ///
 /// Without the maximum [Sun 2008, eq. 2.19] an even n would give a second lobe. Reciprocal. The directional albedo is
 /// `albedo` at normal incidence, for ∫ cosⁿ⁺¹ dω = 2π/(n + 2) over the hemisphere, and less elsewhere.
@@ -128,7 +130,9 @@ impl Kernel<1> for MirrorLobe {
 
 /// The normalised Blinn–Phong lobe about the half vector.
 ///
-///   f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
+/// ```math
+/// f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
+/// ```
 ///
 /// The constant makes the directional albedo at normal incidence equal to `albedo`: with c = cos(θ/2) = h·n, 2π ∫ cⁿ
 /// cos θ sin θ dθ = 8π ∫ cⁿ⁺¹ (2c² − 1) dc from √½ to 1 = 8π (n + 2^(−n/2)) / ((n + 2)(n + 4)); Giesen (2009) has the

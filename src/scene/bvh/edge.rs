@@ -8,7 +8,9 @@ pub(in crate::scene) const EDGE_TOLERANCE: f32 = 12.0 * 0.5 * f32::EPSILON;
 
 /// The edge function of the edge a → b seen from the origin, and the sum of its terms' absolute values.
 ///
-///   n = m × (b − a) = a × b,  m the nearer of a and b;  a direction d is on the inner side of the edge if n · d ≥ 0
+/// ```math
+/// n = m × (b − a) = a × b,  m the nearer of a and b;  a direction d is on the inner side of the edge if n · d ≥ 0
+/// ```
 ///
 /// `a`, `b` are relative to the ray's origin; `e` = b − a is from the positions themselves, which keeps it exact where
 /// the edge is short and far. The nearer end keeps n exact where the edge is long and near, as a vertex's own edges

@@ -2,7 +2,9 @@
 //!
 //! Built from the root down. Faces are binned by their centres along each axis, and the cut with the least estimate
 //!
-//!   A(left) ⌈n(left)/8⌉ + A(right) ⌈n(right)/8⌉,   A the area of a box, n its faces,
+//! ```math
+//! A(left) ⌈n(left)/8⌉ + A(right) ⌈n(right)/8⌉,   A the area of a box, n its faces,
+//! ```
 //!
 //! is taken: the surface area heuristic for leaves of eight triangles that are tested at once. Bins follow the faces
 //! that are left, so a face far away costs one level and changes nothing among the others.

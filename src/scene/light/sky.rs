@@ -8,7 +8,9 @@ use crate::{Error, Result};
 
 /// A sky made of numbers, in high dynamic range; +y is up.
 ///
-///   L(ω) = mix(ground, horizon + (zenith − horizon) · y^falloff, above(y)) + sun + Σ soft boxes
+/// ```math
+/// L(ω) = mix(ground, horizon + (zenith − horizon) · y^falloff, above(y)) + sun + Σ soft boxes
+/// ```
 ///
 /// `above` runs smoothly from 0 to 1 within `horizon_softness` of the horizon.
 ///

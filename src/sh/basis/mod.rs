@@ -19,8 +19,10 @@ pub use self::legendre::associated_legendre;
 
 /// The real, orthonormal spherical harmonics of `bands`, without the Condon–Shortley phase, at index l(l+1) + m.
 ///
-///   y_{l,0} = N_{l0} P_l(z),  y_{l,±m} = √2 N_{lm} P_l^m(z) {cos mφ, sin mφ}  (m > 0)
-///   N_{lm}² = (2l+1)/4π · (l−m)!/(l+m)!        [Sun 2008, eqs. 2.5–2.10, less their (−1)^m: see docs/errata.md]
+/// ```math
+/// y_{l,0} = N_{l0} P_l(z),  y_{l,±m} = √2 N_{lm} P_l^m(z) {cos mφ, sin mφ}  (m > 0)
+/// N_{lm}² = (2l+1)/4π · (l−m)!/(l+m)!        [Sun 2008, eqs. 2.5–2.10, less their (−1)^m: see docs/errata.md]
+/// ```
 ///
 /// Built once; `eval` and its batch forms do not allocate. Each value has the same bits by every entry point, on every
 /// machine and for any number of points in the call.

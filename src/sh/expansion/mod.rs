@@ -56,7 +56,9 @@ pub trait Expansion: Copy + Send + Sync + sealed::Sealed + 'static {
 
     /// The product, truncated to as many bands.
     ///
-    ///   h_k = Σ_ij a_i b_j Γ_ijk                                                [Sun 2008, §2.4]
+    /// ```math
+    /// h_k = Σ_ij a_i b_j Γ_ijk                                                [Sun 2008, §2.4]
+    /// ```
     ///
     /// The same bits as [`Product::apply`], where its accuracy is given.
     fn product(&self, other: &Self) -> Self;
@@ -93,7 +95,9 @@ fn rotate_vector<T: Real>(rotation: &Rotation3<T>, f: &[T; 4]) -> [T; 4] {
 
 /// Two bands by [`rotate_vector`], and degree 2 as the quadratic form ½ k xᵀMx, which becomes R M Rᵀ:
 ///
-///   M = [[c₂ − u, c₋₂, c₁], [c₋₂, −c₂ − u, c₋₁], [c₁, c₋₁, 2u]],  u = c₀/√3,  k = √(15/4π)
+/// ```math
+/// M = [[c₂ − u, c₋₂, c₁], [c₋₂, −c₂ − u, c₋₁], [c₁, c₋₁, 2u]],  u = c₀/√3,  k = √(15/4π)
+/// ```
 ///
 /// M keeps its trace, 0, so M_xx need not be formed.
 #[inline(always)]

@@ -34,7 +34,9 @@ impl Default for CapFit {
 
 /// The logarithm of the visibility of a disc that hides what is within the angle θ of the z axis, for any θ.
 ///
-///   f(θ) = log g(θ),  g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1)     [Sun 2008, eq. 5.36]
+/// ```math
+/// f(θ) = log g(θ),  g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1)     [Sun 2008, eq. 5.36]
+/// ```
 ///
 /// It is zonal: n coefficients (l, 0), to be turned to the disc's direction; logarithms of several discs add up.
 /// Tabulated is f_l/(1 − cos θ), which is finite at θ = 0, in pieces that end where f has a kink: where the clipping of

@@ -19,7 +19,9 @@ const MOST_ORDERS: usize = 63;
 
 /// h(f) by evaluating f on a grid of the sphere, applying h there and projecting back: the pointwise form, for any h.
 ///
-///   out_i = Σ_p w_p h(f(ω_p)) y_i(ω_p) ≈ ∫ h(f(ω)) y_i(ω) dω               [Sun 2008, eq. 5.15, the integral as a sum]
+/// ```math
+/// out_i = Σ_p w_p h(f(ω_p)) y_i(ω_p) ≈ ∫ h(f(ω)) y_i(ω) dω               [Sun 2008, eq. 5.15, the integral as a sum]
+/// ```
 ///
 /// 2·bands Gauss–Legendre rings of 4·bands points: exact where h(f) y_i has degree up to 4·bands − 1, as for a square;
 /// otherwise the more rings the closer ([`with_rings`](Self::with_rings)). Where the products of

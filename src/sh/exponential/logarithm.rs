@@ -37,7 +37,9 @@ impl Default for LogMethod {
 
 /// log g of expansions whose function may be 0 or negative here and there, as projected visibility is.
 ///
-///   log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
+/// ```math
+/// log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
+/// ```
 ///
 /// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back to some 1e-5 (M of log g is not log
 /// of M_g but for the first column). The largest eigenvalue is that of all of M_g.

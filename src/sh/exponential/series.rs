@@ -43,7 +43,9 @@ pub enum Powers {
 
 /// A power series of an expansion with truncated products for powers.
 ///
-///   h_*(f) = h_0 1 + h_1 f + h_2 f*f + h_3 f*f*f + …             [Sun 2008, eqs. 5.20, 5.27; the counts are corrected]
+/// ```math
+/// h_*(f) = h_0 1 + h_1 f + h_2 f*f + h_3 f*f*f + …             [Sun 2008, eqs. 5.20, 5.27; the counts are corrected]
+/// ```
 ///
 /// The limit of infinitely many terms is h(M_f)·1, M_f the product matrix, which
 /// [`ProductSpectrum`](super::ProductSpectrum) gives: a series of [`Powers::LeftToRight`] is a polynomial of M_f;

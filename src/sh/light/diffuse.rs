@@ -10,7 +10,9 @@ use crate::{Error, Real, Result};
 
 /// L_H(N) = L ∗ H(N): a light times the clamped cosine about any normal, to be dotted with visibility.
 ///
-///   H(N) = 1/π ∫ max(s·N, 0) y(s) ds,  L_H(N)_k = Σ_ij Γ_ijk L_i H(N)_j                     [Sun 2008, eq. 5.14]
+/// ```math
+/// H(N) = 1/π ∫ max(s·N, 0) y(s) ds,  L_H(N)_k = Σ_ij Γ_ijk L_i H(N)_j                     [Sun 2008, eq. 5.14]
+/// ```
 ///
 /// Since H(N) = (Â_l/π) y(N), L_H is linear in y(N): one matrix, without the columns of the odd degrees from 3, of
 /// which there are none in the cosine. The dot product of L_H(N) with the visibility g at a point is what a white plane

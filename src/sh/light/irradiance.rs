@@ -11,7 +11,9 @@ use crate::error::check_length;
 /// Irradiance on a plane of any normal, from the first three bands of the radiance: a quadratic form in the normal, a
 /// matrix a channel.
 ///
-///   E(n) = (n, 1)ᵀ M (n, 1)                                    [Ramamoorthi & Hanrahan 2001, eqs. 11 and 12]
+/// ```math
+/// E(n) = (n, 1)ᵀ M (n, 1)                                    [Ramamoorthi & Hanrahan 2001, eqs. 11 and 12]
+/// ```
 ///
 /// E = ∫ L max(n·ω, 0) dω with its π: a white Lambertian plane reflects E/π. Equal to convolving with
 /// [`Zonal::clamped_cosine`](super::super::Zonal::clamped_cosine) and evaluating 3 bands, for unit n. Of what the 3

@@ -94,7 +94,9 @@ impl<T: Real> Form<T> {
 
 /// Product of two expansions, truncated to any number of bands.
 ///
-///   h_k = Σ_ij a_i b_j Γ_ijk                                                    [Sun 2008, §2.4]
+/// ```math
+/// h_k = Σ_ij a_i b_j Γ_ijk                                                    [Sun 2008, §2.4]
+/// ```
 ///
 /// With `bands_out` = bands_a + bands_b − 1 nothing is cut off, and the result is the product of the functions; beyond
 /// that the coefficients are 0. Truncated products commute but do not associate. To multiply many vectors by one and
@@ -183,7 +185,9 @@ impl<T: Real> Product<T> {
 
     /// The matrix of the product with `a`: row-major, bands_out² rows of bands_b², `matrix` · b = product of a and b.
     ///
-    ///   M_kj = Σ_i a_i Γ_ijk;   symmetric if bands_b = bands_out                       [Sun 2008, §2.4]
+    /// ```math
+    /// M_kj = Σ_i a_i Γ_ijk;   symmetric if bands_b = bands_out                       [Sun 2008, §2.4]
+    /// ```
     ///
     /// The first call makes a table of the non-zero Γ; the others do not allocate. Where the numbers of bands that meet
     /// add up to more than 48 there is no table: each call allocates and costs bands_b² products.
@@ -218,7 +222,9 @@ impl<T: Real> Product<T> {
 
     /// ∫ a b c over the sphere, c of bands_out, summed over c in f64.
     ///
-    ///   Σ_ijk a_i b_j c_k Γ_ijk
+    /// ```math
+    /// Σ_ijk a_i b_j c_k Γ_ijk
+    /// ```
     ///
     /// Cost: a product and a dot product.
     ///
@@ -242,7 +248,9 @@ impl<T: Real> Product<T> {
 
 /// Square of an expansion, truncated to any number of bands: [`Product`] with itself in less time.
 ///
-///   h_k = Σ_i a_i (Γ_iik a_i + Σ_{j>i} 2Γ_ijk a_j)
+/// ```math
+/// h_k = Σ_i a_i (Γ_iik a_i + Σ_{j>i} 2Γ_ijk a_j)
+/// ```
 ///
 /// Shapes: a: bands², out: bands_out², index l(l+1)+m. Accuracy, limits and layout as [`Product`].
 ///

@@ -19,7 +19,9 @@ use crate::{Real, Result};
 
 /// Projects latitude–longitude maps of one grid onto the harmonics of `bands`; built once, for any number of maps.
 ///
-///   c_i = Σ f_p Ω_p y_i(ω_p)   or   Σ f_p ∫_p y_i dω  ([`TexelRule`])
+/// ```math
+/// c_i = Σ f_p Ω_p y_i(ω_p)   or   Σ f_p ∫_p y_i dω  (TexelRule)
+/// ```
 ///
 /// Shapes and NaN: as [`CubeProjection`](super::CubeProjection).
 ///

@@ -9,7 +9,9 @@ use crate::{Error, Real, Result};
 
 /// Fits expansions of `bands` to values at scattered directions; factored once, for any number of values.
 ///
-///   c = argmin Σ_p w_p (f_p − Σ_i c_i y_i(ω_p))² + λ ∫ (Δf)²,   ∫ (Δf)² = Σ l²(l+1)² c_i²
+/// ```math
+/// c = argmin Σ_p w_p (f_p − Σ_i c_i y_i(ω_p))² + λ ∫ (Δf)²,   ∫ (Δf)² = Σ l²(l+1)² c_i²
+/// ```
 ///
 /// The penalty on the squared Laplacian bridges gaps smoothly; with weights that are solid angles (they sum to 4π, as
 /// the default 4π/n does) and samples as dense as a quadrature rule the fit is projection times

@@ -30,7 +30,9 @@ const UNROLLED: usize = 6;
 
 /// Rotates expansions, each by a rotation of its own that need not be known before.
 ///
-///   (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
+/// ```math
+/// (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
+/// ```
 ///
 /// Z turns about z, (m, −m) by mα; P, the constant matrix of the mirror that swaps y and z, is three quarters zeros.
 /// cos and sin of the turns are algebraic in the rotation: no angle, no trigonometric function. That is what batches

@@ -6,7 +6,9 @@ use crate::numeric::LegendreSteps;
 
 /// 2π ∫_0^1 t^s P_l dt.
 ///
-///   √π 2^{−s−1} Γ(s+1) / (Γ(1 + (s−l)/2) Γ((s+l+3)/2))
+/// ```math
+/// √π 2^{−s−1} Γ(s+1) / (Γ(1 + (s−l)/2) Γ((s+l+3)/2))
+/// ```
 ///
 /// Two degrees up, the first Γ loses and the second gains a factor.
 pub(super) fn cosine_power(s: f64) -> impl Iterator<Item = f64> {

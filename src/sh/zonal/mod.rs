@@ -137,8 +137,10 @@ impl<T: Real> Zonal<T> {
 
     /// max(cos θ, 0): the kernel that turns radiance into irradiance, π included.
     ///
-    ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else
-    ///   Â_l = 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)                           [Sun 2008, eqs. 2.21–2.23]
+    /// ```math
+    /// Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else
+    /// Â_l = 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)                           [Sun 2008, eqs. 2.21–2.23]
+    /// ```
     ///
     /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands,
     /// 4e-15 below 100.
@@ -154,7 +156,9 @@ impl<T: Real> Zonal<T> {
     ///
     /// Not normalised: k_0 = ∫ f = 2π/(s+1), and (s+2)/2π · f reflects all light at normal incidence from a plane.
     ///
-    ///   ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
+    /// ```math
+    /// ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
+    /// ```
     ///
     /// which is the ratio of Γ functions of the closed form [Gradshteyn & Ryzhik 7.126.1]. For integer s the zeros are
     /// exact.
@@ -172,7 +176,9 @@ impl<T: Real> Zonal<T> {
 
     /// 1 within `half_angle` radians of the axis, 0 beyond: a cone or disc of light.
     ///
-    ///   k_0 = 2π (1 − cos θ),  k_l = 2π sin²θ P_l′(cos θ)/(l(l+1))
+    /// ```math
+    /// k_0 = 2π (1 − cos θ),  k_l = 2π sin²θ P_l′(cos θ)/(l(l+1))
+    /// ```
     ///
     /// No difference of large numbers: relative accuracy for caps of any size down to nothing, 1e-15 below 12 bands. An
     /// angle below 0 counts as 0, one above π as π; NaN gives NaN.
@@ -246,7 +252,9 @@ impl<T: Real> Zonal<T> {
 
     /// f where the angle to the axis has this cosine.
     ///
-    ///   f(t) = Σ (2l+1)/4π k_l P_l(t)
+    /// ```math
+    /// f(t) = Σ (2l+1)/4π k_l P_l(t)
+    /// ```
     pub fn eval(&self, cosine: T) -> T {
         let mut steps = LegendreSteps::new(cosine.widen());
         let mut sum = 0.0;
@@ -260,7 +268,9 @@ impl<T: Real> Zonal<T> {
 
     /// The coefficients of f about any axis: that is its rotation [Sloan 2005].
     ///
-    ///   f_lm = k_l y_lm(axis)
+    /// ```math
+    /// f_lm = k_l y_lm(axis)
+    /// ```
     ///
     /// `axis` is a unit vector. Cost: one evaluation of the basis and bands² multiplications.
     ///
@@ -317,7 +327,9 @@ impl<T: Real> Zonal<T> {
 
     /// Convolves an expansion with f, in place: degree l times k_l.
     ///
-    ///   (f ∗ L)(n) = ∫ f(n · ω) L(ω) dω
+    /// ```math
+    /// (f ∗ L)(n) = ∫ f(n · ω) L(ω) dω
+    /// ```
     ///
     /// Irradiance from radiance is this with [`clamped_cosine`](Self::clamped_cosine); so is the effective BRDF of a
     /// filtered normal map, from the expansion of its distribution of normals [Sun 2008, eq. 5.7].
