@@ -14,10 +14,7 @@ use haarmonic::scene::{
 use haarmonic::sphere::CubeGrid;
 use proptest::prelude::*;
 
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
+use crate::support::cases;
 
 type Terms = Vec<(f64, Arc<dyn Brdf>)>;
 type Twin = Box<dyn Fn(Angles) -> f64 + Send + Sync>;
@@ -106,7 +103,7 @@ fn angles() -> impl Strategy<Value = Angles> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at grazing
     /// angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own rounding

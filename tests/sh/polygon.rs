@@ -8,11 +8,7 @@ use haarmonic::sh::{Basis, PolygonLight, Sides, Zonal};
 use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 
-use crate::support::{cases, worst};
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m, v| m.max(v.abs()))
-}
+use crate::support::{cases, largest, worst};
 
 fn eval(bands: usize, vertices: &[Vector3<f64>], horizon: Option<&Vector3<f64>>) -> Vec<f64> {
     let light = PolygonLight::new(bands).unwrap();
@@ -283,7 +279,7 @@ fn batches_have_the_bits_of_one() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn cut_in_two_the_parts_make_the_whole(

@@ -11,7 +11,7 @@ use haarmonic::strategies::direction;
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{cases, golden, number, numbers};
+use crate::support::{HARMONICS, cases, golden, number, numbers};
 
 fn items<'a>(v: &'a Value, name: &str) -> &'a [Value] {
     v[name].as_array().unwrap()
@@ -29,7 +29,7 @@ fn assert_all_close<T: Real>(got: &[T], want: &[f64], relative: f64, absolute: f
 
 #[test]
 fn golden_clamped_cosine() {
-    let file = golden("clamped_cosine");
+    let file = golden(HARMONICS, "clamped_cosine");
     let cosine = Zonal::<f64>::clamped_cosine(21).unwrap();
     // Products of ten ratios: 2e-15 relative. Golden zeros are exact zeros.
     assert_all_close(cosine.factors(), &numbers(&file["A_hat_l"]), 2e-15, 0.0, "factors");
@@ -45,7 +45,7 @@ fn golden_clamped_cosine() {
 
 #[test]
 fn golden_circle_blocker() {
-    for item in items(&golden("circle_blocker"), "items") {
+    for item in items(&golden(HARMONICS, "circle_blocker"), "items") {
         let want = numbers(&item["g_zonal"]);
         let theta = number(&item["theta"]);
         let got = Zonal::<f64>::outside_cap(want.len(), theta).unwrap();
@@ -56,7 +56,7 @@ fn golden_circle_blocker() {
 
 #[test]
 fn golden_von_mises_fisher() {
-    for item in items(&golden("vmf"), "items") {
+    for item in items(&golden(HARMONICS, "vmf"), "items") {
         let kappa = number(&item["kappa"]);
         let density = VonMisesFisher::new(kappa).unwrap();
         let what = format!("κ {kappa}");
@@ -74,7 +74,7 @@ fn golden_von_mises_fisher() {
 
 #[test]
 fn golden_normal_map_filtering() {
-    let file = golden("ndf_filtering");
+    let file = golden(HARMONICS, "ndf_filtering");
     let bands = file["order"].as_u64().unwrap() as usize;
     let basis = Basis::<f64>::new(bands).unwrap();
     // γ_lm is the mean of the basis at the normals.
@@ -299,7 +299,7 @@ fn about(zonal: &Zonal<f64>, axis: &UnitVector3<f64>) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn about_an_axis_is_the_projection(

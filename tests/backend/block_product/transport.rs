@@ -7,8 +7,8 @@ use haarmonic::scene::{BinaryVisibility, Procedural};
 use haarmonic::strategies::run_map;
 use proptest::prelude::*;
 
-use super::support::{ORDERS, above, baker, cases, grid, layout, noise, patchwork, soup, visibility};
-use crate::shared::Watch;
+use super::support::{ORDERS, above, layout, patchwork, visibility};
+use crate::support::{Watch, baker, cases, grid, noise, soup};
 
 fn decoded(transport: &Transport, vertex: usize) -> Vec<f32> {
     let mut out = vec![f32::NAN; transport.layout().grid().len()];
