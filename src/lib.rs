@@ -174,6 +174,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! caller's line, and says so under *Panics*. The library never prints, logs or exits.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod approx_eq;
 mod error;
 mod parallel;
 mod progress;

@@ -8,6 +8,7 @@ use super::count::plural;
 use super::{
     Loaded, Report, atomic, encode_exr, encode_hdr, encode_png, encode_png_srgb8, exr, read_file, read_hdr, read_png,
 };
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// A picture: linear RGB pixels, row after row from the top left.
@@ -212,3 +213,5 @@ fn named(path: &Path, e: Error) -> Error {
         e => e,
     }
 }
+
+approx_by_parts!([] Image, f32, |i| close [&i.pixels] same [i.width, i.height]);

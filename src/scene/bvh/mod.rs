@@ -24,6 +24,8 @@ use self::tree::{Box3, Item, Node};
 use self::wide::WideTree;
 use super::Mesh;
 
+use crate::approx_eq::approx_by_parts;
+
 /// Lanes of a wide node and of a leaf.
 pub(super) const WIDTH: usize = 8;
 
@@ -192,6 +194,8 @@ fn has_area(triangle: &[[f32; 3]; 3]) -> bool {
     let [a, b, c] = triangle.map(|p| Vector3::from(p).cast::<f64>());
     (b - a).cross(&(c - a)) != Vector3::zeros()
 }
+
+approx_by_parts!([] Hit, f64, |h| close [[h.distance], h.barycentric.map(f64::from)] same [h.face]);
 
 #[cfg(test)]
 mod tests {
