@@ -188,6 +188,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //!   unless their page says so.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod approx_eq;
 mod error;
 mod parallel;
 mod progress;

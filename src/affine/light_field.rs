@@ -1,6 +1,7 @@
 //! Light fields: a light that depends on where it leaves its plane and on where it goes.
 
 use super::{AffineMap, TripleNonzeros1d};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::haar::SparseVector;
 use crate::{Error, Real, Result};
@@ -136,3 +137,8 @@ impl LightField {
         partners
     }
 }
+
+approx_by_parts!(
+    [T: Real + approx::RelativeEq<Epsilon = T> + approx::UlpsEq<Epsilon = T>, const C: usize] LightFieldTerm<T, C>, T,
+    |t| close [&t.value] same [t.plane, t.direction]
+);

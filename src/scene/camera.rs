@@ -3,6 +3,7 @@
 use nalgebra::{UnitVector3, Vector3};
 
 use super::Mesh;
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// A pinhole camera in a right-handed world.
@@ -112,3 +113,5 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let largest = v.amax();
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }
+
+approx_by_parts!([] Camera, f64, |c| close [[c.eye, c.right, c.up, c.forward], [c.fov_y]] same []);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{Brdf, LocalFrame};
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// Where the viewer is: at a point, or infinitely far away.
@@ -95,3 +96,5 @@ fn check_finite(what: &'static str, v: &Vector3<f32>) -> Result<()> {
         None => Ok(()),
     }
 }
+
+approx_by_parts!([] View, f64, |v| close [v.parts().1] same [v.parts().0]);

@@ -3,6 +3,7 @@
 use super::binary_map::BinaryMap;
 use super::coverage::{self, Coverage};
 use super::visibility_distance::{Border, VisibilityDistancePlan, VisibilityDistanceScratch};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Result};
 
@@ -177,3 +178,5 @@ impl VisibilityDistance {
         VisibilityDistanceRef { width, height, border: self.border, distances: &self.distances }
     }
 }
+
+approx_by_parts!([] VisibilityDistance, f32, |t| close [&t.distances] same [t.size, t.border]);

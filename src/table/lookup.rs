@@ -1,6 +1,7 @@
 //! Integrals over rectangles, from the entries at their corners.
 
 use super::{Outside, Rectangle, SummedAreaPlan};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -218,3 +219,5 @@ impl<T: Real> SummedArea<T> {
         self.as_ref().mean(rectangle)
     }
 }
+
+approx_by_parts!([T] SummedArea<T>, T, |t| close [&t.entries] same [t.width, t.height]);

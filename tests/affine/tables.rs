@@ -8,11 +8,7 @@ use haarmonic::affine::{
 use haarmonic::haar::{Decomposition, Keep, forward_1d, forward_2d};
 use proptest::prelude::*;
 
-/// Cases of a property; the environment variable PROPTEST_CASES overrides them.
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|c| c.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::cases;
 
 fn exact(r: f64, c: f64) -> f64 {
     canonical(Mother::Wavelet, Mother::Wavelet, r, c)
@@ -219,7 +215,7 @@ fn a_cell_is_nearest_to_its_own_map() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn dark_maps_are_those_without_couplings(s in 0.1f64..5.0, o in -6.0f64..6.0, mirrored: bool) {
@@ -576,7 +572,7 @@ fn nonzeros_follow_the_law_at_their_most() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn nonzeros_never_exceed_the_law(k in 3usize..8, s in 0.5f64..2.0, o in -1.0f64..1.0, mirrored: bool, near: bool) {

@@ -5,6 +5,6 @@ mod allocations;
 mod block_product;
 mod corpus;
 #[path = "../support/mod.rs"]
-mod shared;
+mod support;
 mod wavelet;
 mod wavelet_range;

@@ -1,6 +1,6 @@
 //! Biclustering against the deterministic golden run, the naive twin, and its own laws.
 
-use crate::support::{golden, rational};
+use crate::support::{HAAR_AFFINE, cases, golden, number};
 use haarmonic::compress::{
     BiclusterMove, BiclusterMultiplier, BiclusterSettings, BiclusterStep, BiclusterTrace, Biclustering, Seeds,
     SparseMatrix,
@@ -10,11 +10,6 @@ use haarmonic::strategies::block_matrix;
 use haarmonic::{Error, Progress, Real};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
 
 fn dense(matrix: &SparseMatrix) -> Vec<Vec<i64>> {
     let row = |j| (0..matrix.columns()).map(|k| i64::from(matrix.level(j, k))).collect();
@@ -36,14 +31,14 @@ fn list(v: &Value) -> Vec<u64> {
 
 /// Values of the golden file are multiples of 1/4.
 fn level(v: &Value) -> i32 {
-    let level = rational(v) * 4.0;
+    let level = number(v) * 4.0;
     assert_eq!(level, level.round());
     level as i32
 }
 
 #[test]
 fn golden_run() {
-    let file = golden("bicluster");
+    let file = golden(HAAR_AFFINE, "bicluster");
     let runs = file["cases"].as_array().unwrap();
     assert!(runs.len() >= 3);
     for run in runs {
@@ -69,7 +64,7 @@ fn golden_run() {
         assert_eq!(stats.matrix_flops as u64, run["dense_cost_2nnz"].as_u64().unwrap());
         // Multiples of 1/4 times small integers: exact.
         let light: Vec<f64> = list(&run["L"]).iter().map(|&x| x as f64).collect();
-        let want: Vec<f64> = run["TL"].as_array().unwrap().iter().map(rational).collect();
+        let want: Vec<f64> = run["TL"].as_array().unwrap().iter().map(number).collect();
         let mut got = vec![f64::NAN; want.len()];
         product(&found.multiplier(), 1, &light, &mut got);
         assert_eq!(got, want);
@@ -128,7 +123,7 @@ fn magnitudes(found: &Biclustering, x: &[f64]) -> Vec<(f64, f64)> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn every_move_is_the_twins(matrix in block_matrix(14, 12)) {

@@ -1,6 +1,6 @@
 //! Differential coding against golden values and the naive twins; damaged bytes.
 
-use crate::support::golden;
+use crate::support::{HAAR_AFFINE, cases, golden, numbers};
 use haarmonic::compress::{
     CodedBinaryMap, CodedBinaryMaps, CodedGrayMaps, MapIndex, MapState, Scan, ScanOrder, decode_gaps, encode_gaps,
     suffix_sums,
@@ -8,16 +8,6 @@ use haarmonic::compress::{
 use haarmonic::reference::compress as twin;
 use haarmonic::{Error, strategies};
 use proptest::prelude::*;
-
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
 
 fn unhex(value: &serde_json::Value) -> Vec<u8> {
     let text = value.as_str().unwrap();
@@ -40,7 +30,7 @@ fn sums_of(signal: &[f64]) -> Vec<f64> {
 
 #[test]
 fn golden_values_are_reproduced() {
-    let file = golden("visibility_differential");
+    let file = golden(HAAR_AFFINE, "visibility_differential");
     let (mut maps, mut places) = (CodedBinaryMaps::<u8>::new(256).unwrap(), Vec::new());
     for case in file["binary"].as_array().unwrap() {
         let map: Vec<bool> = case["V_bits"].as_str().unwrap().bytes().map(|b| b == b'1').collect();
@@ -138,7 +128,7 @@ fn any_map() -> impl Strategy<Value = Vec<bool>> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn maps_survive_every_form(map in any_map(), visible in strategies::visibility_map(16, 16)) {

@@ -9,15 +9,7 @@ use haarmonic::compress::{
 };
 use haarmonic::store::{Kind, Stored};
 
-/// Pseudo-random numbers in [−1, 1).
-fn numbers(len: usize) -> Vec<f64> {
-    let mut state = 5_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
-}
+use crate::support::random;
 
 fn bytes_of(stored: &impl Stored) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -66,7 +58,7 @@ fn maps() {
     let mut binary = CodedBinaryMaps::<u8>::new(100).unwrap();
     let mut wide = CodedBinaryMaps::<u16>::new(300).unwrap();
     let mut gray = CodedGrayMaps::<u8>::new(64, 15).unwrap();
-    for (k, numbers) in numbers(5 * 300).chunks(300).enumerate() {
+    for (k, numbers) in random(5 * 300, 5).chunks(300).enumerate() {
         let bits: Vec<bool> = numbers.iter().map(|x| x.abs() < 0.2 * k as f64).collect();
         binary.push_bools(&bits[..100]);
         wide.push_bools(&bits);
@@ -92,7 +84,7 @@ fn many_maps_take_several_sections() {
 
 #[test]
 fn components() {
-    let matrix = numbers(12 * 5);
+    let matrix = random(12 * 5, 5);
     let pca = Pca::new(&matrix, 5, &PcaSettings::new(2)).unwrap();
     keeps(&pca, Kind::Pca);
     let narrow: Vec<f32> = matrix.iter().map(|&x| x as f32).collect();
@@ -107,7 +99,7 @@ fn components() {
 
 #[test]
 fn quantised_numbers() {
-    let values = numbers(23 * 2);
+    let values = random(23 * 2, 5);
     keeps(&QuantisedHalf::new(&values).unwrap(), Kind::QuantisedHalf);
     keeps(&QuantisedHalf::new::<f32>(&[]).unwrap(), Kind::QuantisedHalf);
     for blocks in [ByteBlocks::Rows, ByteBlocks::Columns, ByteBlocks::Runs(7)] {

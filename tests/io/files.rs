@@ -9,11 +9,9 @@ use haarmonic::scene::Mesh;
 use haarmonic::sphere::LatLongMap;
 use proptest::prelude::*;
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 use crate::pictures::exr_files::COMPRESSIONS;
+
+use crate::support::cases;
 
 fn v(x: f32, y: f32, z: f32) -> Vector3<f32> {
     Vector3::new(x, y, z)
@@ -1141,7 +1139,7 @@ fn apply(bytes: &mut Vec<u8>, damage: &[(prop::sample::Index, u8, u8)]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn damaged_meshes(damage in damage()) {

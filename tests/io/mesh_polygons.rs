@@ -7,11 +7,9 @@ use haarmonic::nalgebra::{Rotation3, Vector3};
 use haarmonic::scene::Mesh;
 use proptest::prelude::*;
 
-type P = [f64; 2];
+use crate::support::cases;
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(256)
-}
+type P = [f64; 2];
 
 /// A polygon as one face, laid into space by `place`.
 fn read(outline: &[P], place: impl Fn(P) -> Vector3<f64>) -> Loaded<Mesh> {
@@ -116,7 +114,7 @@ fn with_holes(holes: &[Vec<f64>]) -> Vec<P> {
 const SLACK: f64 = 8.0 * f32::EPSILON as f64 * 1000.0;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(256))]
 
     #[test]
     fn star_shaped(radii in prop::collection::vec(0.05..1.0f64, 3..40), start in 0..40usize, clockwise in any::<bool>()) {

@@ -12,12 +12,10 @@ use haarmonic::scene::{
     MerlLookup, Phong, Sum, Ward,
 };
 use haarmonic::sphere::CubeGrid;
+use haarmonic::strategies;
 use proptest::prelude::*;
 
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
+use crate::support::cases;
 
 type Terms = Vec<(f64, Arc<dyn Brdf>)>;
 type Twin = Box<dyn Fn(Angles) -> f64 + Send + Sync>;
@@ -106,7 +104,7 @@ fn angles() -> impl Strategy<Value = Angles> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at grazing
     /// angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own rounding
@@ -146,6 +144,25 @@ proptest! {
                 prop_assert_eq!(f, Vector3::zeros(), "{}", case.name);
             }
         }
+    }
+
+    /// At the ends of the parameters' ranges too, and of sums: both orders take the same operations but for the order of
+    /// sums of three.
+    #[test]
+    fn any_model_is_reciprocal_and_its_values_are_numbers(
+        brdf in strategies::brdf(), a in angles(), seed in -3.0..3.0_f32, side in 1_usize..8,
+    ) {
+        let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
+        let (f, g) = (brdf.eval(&wi, &wo), brdf.eval(&wo, &wi));
+        prop_assert!(f.iter().all(|c| c.is_finite() && *c >= 0.0), "{f}");
+        prop_assert!((f - g).amax() <= 8.0 * f64::EPSILON * f.amax(), "{f} against {g}");
+        for (wi, wo) in [(-wi, wo), (wi, -wo), (-wi, -wo)] {
+            prop_assert_eq!(brdf.eval(&wi, &wo), Vector3::zeros());
+        }
+        let (table, frame) = (DirectionTable::new(CubeGrid::new(side).unwrap()), frame(seed));
+        let mut planes = vec![f32::NAN; 3 * table.len()];
+        brdf.sample_cos(&frame, &frame.to_world(&wo).normalize(), &table, &mut planes);
+        prop_assert!(planes.iter().all(|c| c.is_finite() && *c >= 0.0));
     }
 
     #[test]

@@ -8,13 +8,11 @@ use haarmonic::scene::{
     BackFaces, BinaryVisibility, Bvh, GroundTruth, Lambert, Materials, Mesh, Procedural, TexelVisibility, View,
     VisibilityBaker, VisibilitySettings, rel_l2,
 };
-use haarmonic::sphere::{CubeGrid, CubeMap};
+use haarmonic::sphere::CubeMap;
+
+use crate::support::grid;
 
 type V = Vector3<f32>;
-
-fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
 
 fn bake(mesh: &Mesh, side: usize) -> BinaryVisibility {
     VisibilityBaker::new(mesh, grid(side), VisibilitySettings::default()).unwrap().bake(&()).unwrap()

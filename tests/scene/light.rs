@@ -8,10 +8,7 @@ use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, fibonacci_di
 use haarmonic::{Error, reference::sphere as naive, strategies};
 use proptest::prelude::*;
 
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(32);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::cases;
 
 fn cube(side: usize) -> CubeGrid {
     CubeGrid::new(side).unwrap()
@@ -386,7 +383,7 @@ fn every_field_of_a_sky_is_refused_or_gives_finite_texels() {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(32))]
 
     #[test]
     fn the_sun_keeps_its_energy(

@@ -12,19 +12,9 @@ use haarmonic::sphere::CubeGrid;
 use haarmonic::{Error, Progress};
 use proptest::prelude::*;
 
+use crate::support::{baker, cases, grid};
+
 type V = Vector3<f32>;
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
-
-fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
-
-fn baker(mesh: &Mesh, side: usize) -> VisibilityBaker {
-    VisibilityBaker::new(mesh, grid(side), VisibilitySettings::default()).unwrap()
-}
 
 fn bake(mesh: &Mesh, side: usize) -> BinaryVisibility {
     baker(mesh, side).bake(&()).unwrap()
@@ -127,7 +117,7 @@ prop_compose! {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// Rasterised in a hierarchy, front to back, in runs: the bits of every triangle against every ray.
     #[test]

@@ -6,7 +6,7 @@ use haarmonic::reference::sh as naive;
 use haarmonic::sh::{Expansion, Product, Rotator, Square};
 use haarmonic::sphere::fibonacci_directions;
 
-use crate::support::{assert_below, worst};
+use crate::support::{self, assert_below, wide, worst};
 
 /// Runs a generic function for every array that there is.
 macro_rules! for_all {
@@ -30,12 +30,8 @@ fn array<T: Real, const N: usize>(seed: f64) -> [T; N] {
     std::array::from_fn(|i| T::of((seed + 2.3 * i as f64).sin()))
 }
 
-fn wide<T: Real, const N: usize>(a: &[T; N]) -> Vec<f64> {
-    a.iter().map(|x| x.widen()).collect()
-}
-
 fn norm<T: Real, const N: usize>(a: &[T; N]) -> f64 {
-    wide(a).iter().map(|x| x * x).sum::<f64>().sqrt()
+    support::norm(&wide(a))
 }
 
 fn eps<T: Real>() -> f64 {

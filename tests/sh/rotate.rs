@@ -8,7 +8,7 @@ use haarmonic::strategies::{direction, rotation};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{assert_below, cases, golden, narrow, numbers, worst};
+use crate::support::{HARMONICS, assert_below, cases, golden, narrow, numbers, worst};
 
 /// No zeros, no pattern, norm about 1 a degree.
 fn coefficients(bands: usize) -> Vec<f64> {
@@ -40,7 +40,7 @@ fn golden_rotated(item: &Value, f: &[f64]) -> Vec<f64> {
 
 fn golden_errors<T: Real>() -> f64 {
     let (f, mut error) = (coefficients(7), 0f64);
-    for item in golden("sh_rotation")["items"].as_array().unwrap() {
+    for item in golden(HARMONICS, "sh_rotation")["items"].as_array().unwrap() {
         let q = numbers(&item["quat_wxyz"]);
         let quaternion = UnitQuaternion::new_unchecked(Quaternion::new(q[0], q[1], q[2], q[3]));
         let matrix = Rotation3::from_matrix_unchecked(Matrix3::from_row_slice(&numbers(&item["R_rowmajor"])));
@@ -388,7 +388,7 @@ fn wrong_sizes_are_refused() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// (Rf)(ω) = f(R⁻¹ω).
     #[test]

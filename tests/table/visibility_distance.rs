@@ -1,6 +1,6 @@
 //! Visibility distance tables and coverage against golden values and brute force.
 
-use crate::support::{assert_close, golden, rational};
+use crate::support::{HAAR_AFFINE, Stream, assert_close, cases, golden, number};
 use haarmonic::Error;
 use haarmonic::reference::table as twin;
 use haarmonic::strategies;
@@ -9,12 +9,6 @@ use haarmonic::table::{
     VisibilityDistanceScratch, half_plane_coverage, linear_coverage, mean_coverage, smoothstep_coverage,
 };
 use proptest::prelude::*;
-
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
 
 fn squares(width: usize, height: usize, map: &[bool], border: Border) -> Vec<i32> {
     let plan = VisibilityDistancePlan::new(width, height, border).unwrap();
@@ -33,7 +27,7 @@ fn expected(width: usize, height: usize, map: &[bool], border: Border) -> Vec<i3
 
 #[test]
 fn golden_distances_are_reproduced() {
-    let golden = golden("signed_distance");
+    let golden = golden(HAAR_AFFINE, "signed_distance");
     let cases = golden["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 6);
     for case in cases {
@@ -55,18 +49,18 @@ fn golden_distances_are_reproduced() {
 
 #[test]
 fn golden_coverages_are_reproduced() {
-    let golden = golden("square_and_hemisphere");
+    let golden = golden(HAAR_AFFINE, "square_and_hemisphere");
     let rows = golden["coverage"].as_array().unwrap();
     assert_eq!(rows.len(), 61);
     for row in rows {
-        let [d, edge, angle] = std::array::from_fn(|k| rational(&row[k]));
+        let [d, edge, angle] = std::array::from_fn(|k| number(&row[k]));
         let want = row[3].as_f64().unwrap();
         assert_close(half_plane_coverage(d, edge, [angle.cos(), angle.sin()]), want, 1e-14, "half-plane");
         assert_close(twin::half_plane_coverage(d, edge, angle), want, 1e-14, "cut polygon");
     }
     let rows = golden["orientation_average"].as_array().unwrap();
     for row in rows {
-        let (t, want) = (rational(&row[0]), row[1].as_f64().unwrap());
+        let (t, want) = (number(&row[0]), row[1].as_f64().unwrap());
         assert_close(mean_coverage(t, 2.0), want, 1e-14, "mean");
         assert_close(twin::mean_coverage(t, 2.0), want, 1e-12, "mean by quadrature");
     }
@@ -83,7 +77,7 @@ fn bits(map: &[bool]) -> Vec<u64> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn distances_are_the_nearest_of_all((width, height, map) in map_of((1..=40, 1..=24))) {
@@ -157,7 +151,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: config().cases.div_ceil(2), ..config() })]
+    #![proptest_config(ProptestConfig { cases: cases(48).cases.div_ceil(2), ..cases(48) })]
 
     /// Wider than what is tried in vectors, and farther than 16 bits.
     #[test]
@@ -283,45 +277,31 @@ fn how_far_the_forms_are_from_each_other() {
     assert_close(linear, 0.042_893, 1e-5, "linear, worst");
 }
 
-/// Numbers in [0, 1) without a pattern.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
-
 const SIDE: usize = 32;
 
 fn drawn(inside: impl Fn(f64, f64) -> bool) -> Vec<bool> {
     (0..SIDE * SIDE).map(|i| inside((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5)).collect()
 }
 
-fn half_plane(numbers: &mut Numbers) -> impl Fn(f64, f64) -> f64 + use<> {
+fn half_plane(numbers: &mut Stream) -> impl Fn(f64, f64) -> f64 + use<> {
     let (x, y, angle) = (numbers.between(6.0, 26.0), numbers.between(6.0, 26.0), numbers.between(0.0, 6.3));
     move |u, v| (u - x) * angle.cos() + (v - y) * angle.sin()
 }
 
-fn disc(numbers: &mut Numbers) -> Vec<bool> {
+fn disc(numbers: &mut Stream) -> Vec<bool> {
     let (x, y, r) = (numbers.between(-8.0, 40.0), numbers.between(-8.0, 40.0), numbers.between(8.0, 24.0));
-    let hole = numbers.next() < 0.5;
+    let hole = numbers.unit() < 0.5;
     drawn(|u, v| ((u - x).hypot(v - y) < r) != hole)
 }
 
-fn sticks(numbers: &mut Numbers) -> Vec<bool> {
+fn sticks(numbers: &mut Stream) -> Vec<bool> {
     let all: Vec<_> = (0..3).map(|_| (half_plane(numbers), numbers.between(0.5, 1.5))).collect();
     drawn(|u, v| all.iter().all(|(side, half)| side(u, v).abs() > *half))
 }
 
 /// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their summed-area tables.
-fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
-    let (mut numbers, mut sums, mut count) = (Numbers(1), [0.0; 5], 0.0);
+fn rms(mut map: impl FnMut(&mut Stream) -> Vec<bool>) -> [f64; 5] {
+    let (mut numbers, mut sums, mut count) = (Stream::new(1), [0.0; 5], 0.0);
     for _ in 0..150 {
         let map = map(&mut numbers);
         if map.iter().all(|&v| v) || !map.iter().any(|&v| v) {
@@ -350,11 +330,11 @@ fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
 /// the boundary that makes eq. 9 as printed anything from .2 to .3).
 #[test]
 fn coverage_of_random_maps() {
-    let straight = |n: &mut Numbers| {
+    let straight = |n: &mut Stream| {
         let side = half_plane(n);
         drawn(|u, v| side(u, v) > 0.0)
     };
-    let wedge = |n: &mut Numbers| {
+    let wedge = |n: &mut Stream| {
         let sides = [half_plane(n), half_plane(n)];
         drawn(|u, v| sides.iter().all(|side| side(u, v) > 0.0))
     };

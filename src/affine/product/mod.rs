@@ -20,6 +20,7 @@ use self::table::{Slopes, Table1d, Table2d, Values};
 use self::terms::{Slopes1d, Slopes2d, Terms, Value1d, Value2d};
 use self::walk::integrate;
 use super::{AffineMap, Atom};
+use crate::approx_eq::approx_by_parts;
 use crate::haar::{BinaryTree, Decomposition, Quadtree, SparseVector, inverse_1d, inverse_2d};
 use crate::{Error, Real, Result};
 
@@ -298,3 +299,8 @@ pub fn affine_triple_product_2d<T: Real>(
     let [value] = AffineProduct2d::new([f])?.integral([&Quadtree::new(g)?, &Quadtree::new(w)?], maps);
     Ok(value)
 }
+
+approx_by_parts!(
+    [const AXES: usize, const C: usize] ProductGradient<AXES, C>, f64,
+    |g| close [&g.value, g.scale.as_flattened(), g.offset.as_flattened()] same []
+);

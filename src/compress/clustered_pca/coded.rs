@@ -9,6 +9,7 @@ use super::bases::Bases;
 use super::build::{Builder, Start};
 use super::nearest::{Nearest, Place};
 use super::settings::ClusteredPcaSettings;
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::parallel::Watch;
 use crate::{Error, Progress, Real, Result, parallel};
@@ -345,3 +346,8 @@ fn weigh<T: Real>(bases: &Bases<T>, rows: &[T], labels: &[u32], weights: &mut [T
         arch.dispatch(|| bases.distance(labels[row] as usize, x, 1.0, &mut difference, weights));
     });
 }
+
+approx_by_parts!(
+    [T] ClusteredPca<T>, T,
+    |c| close [&c.bases.data, &c.weights] same [c.bases.columns, c.bases.components, &c.bases.sizes, &c.labels]
+);

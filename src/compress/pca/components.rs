@@ -7,6 +7,7 @@ use super::super::distortion::Distortion;
 use super::fit::{Source, fit};
 use super::moments::Moments;
 use super::settings::{Centre, PcaSettings};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
@@ -245,3 +246,10 @@ pub(in super::super) fn check_matrix<T>(matrix: &[T], columns: usize) -> Result<
     }
     Ok(rows)
 }
+
+approx_by_parts!(
+    [T] Pca<T>, T,
+    |p| close [
+        &p.mean, &p.components, p.variances.iter().map(|&v| T::of(v)).collect::<Vec<T>>(), [T::of(p.total_variance)]
+    ] same []
+);

@@ -17,6 +17,7 @@ pub use self::exr::{encode_exr, read_exr};
 pub use self::hdr::{encode_hdr, read_hdr};
 pub use self::png::{encode_png, encode_png_srgb8, read_png};
 use super::atomic;
+use crate::approx_eq::approx_by_parts;
 use crate::io::count::plural;
 use crate::io::report::{Loaded, Report, read_file};
 use crate::{Error, Result};
@@ -223,3 +224,5 @@ fn named(path: &Path, e: Error) -> Error {
         e => e,
     }
 }
+
+approx_by_parts!([] Image, f32, |i| close [&i.pixels] same [i.width, i.height]);

@@ -25,6 +25,8 @@ use self::tree::{Box3, Item, Node};
 use self::wide::WideTree;
 use super::Mesh;
 
+use crate::approx_eq::approx_by_parts;
+
 /// Lanes of a wide node and of a leaf.
 pub(super) const WIDTH: usize = 8;
 
@@ -195,6 +197,8 @@ fn has_area(triangle: &[[f32; 3]; 3]) -> bool {
     let [a, b, c] = triangle.map(|p| Vector3::from(p).cast::<f64>());
     (b - a).cross(&(c - a)) != Vector3::zeros()
 }
+
+approx_by_parts!([] Hit, f64, |h| close [[h.distance], h.barycentric.map(f64::from)] same [h.face]);
 
 #[cfg(test)]
 mod tests {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::approx_eq::approx_by_parts;
 /// The smallest axis-aligned box around something.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
@@ -27,3 +28,5 @@ impl Bounds {
         self.size().norm() * 0.5
     }
 }
+
+approx_by_parts!([] Bounds, f32, |b| close [[b.min, b.max]] same []);

@@ -3,6 +3,7 @@
 use nalgebra::{UnitVector3, Vector3};
 
 use super::normals::perpendicular;
+use crate::approx_eq::approx_by_parts;
 
 /// An orthonormal right-handed frame: x = tangent, y = bitangent, z = normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,3 +42,5 @@ impl LocalFrame {
             + self.normal.cast::<f64>() * local.z
     }
 }
+
+approx_by_parts!([] LocalFrame, f32, |f| close [[f.tangent, f.bitangent, f.normal]] same []);

@@ -1,6 +1,5 @@
 //! Triangle meshes with per-vertex shading frames.
 
-mod approx;
 mod bounds;
 mod frame;
 mod normals;
@@ -13,6 +12,7 @@ pub use frame::LocalFrame;
 use normals::{angle_weighted_normals, double_area_vector, perpendicular, unit};
 pub use repair::MeshRepair;
 
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// A triangle mesh: positions, unit normals and unit tangents per vertex; counter-clockwise faces seen from outside.
@@ -291,3 +291,5 @@ fn check_parts(positions: &[Vector3<f32>], faces: &[[u32; 3]]) -> Result<()> {
     }
     Ok(())
 }
+
+approx_by_parts!([] Mesh, f32, |m| close [&m.positions, &m.normals, &m.tangents] same [&m.faces, &m.origin]);

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::sh::{Basis, Product, Zonal, bands_of};
 use crate::sphere::{CubeGrid, Face};
@@ -196,14 +197,4 @@ impl<T: Real> DiffuseLightTable<T> {
     }
 }
 
-impl<T: Real + approx::AbsDiffEq<Epsilon = T>> approx::AbsDiffEq for DiffuseLightTable<T> {
-    type Epsilon = T;
-
-    fn default_epsilon() -> T {
-        T::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
-        self.side == other.side && self.values[..].abs_diff_eq(&other.values[..], epsilon)
-    }
-}
+approx_by_parts!([T] DiffuseLightTable<T>, T, |t| close [&t.values] same [t.side]);

@@ -15,6 +15,7 @@
 use nalgebra::{Matrix2, UnitVector3, Vector2, Vector3};
 
 use super::{CubeReconstruction, TexelRule};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::sh::Basis;
 use crate::sphere::{CubeGrid, CubeMap, Face};
@@ -236,3 +237,5 @@ impl Extrema {
         c.iter().zip(gradients).map(|(c, g)| g * *c).sum()
     }
 }
+
+approx_by_parts!([] Extremum, f64, |e| close [[e.value, e.bound], e.direction.as_slice()] same []);

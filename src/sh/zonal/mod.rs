@@ -9,6 +9,7 @@ pub(super) use factors::CapFactors;
 pub use von_mises_fisher::VonMisesFisher;
 
 use super::Basis;
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::numeric::{GaussLegendre, LegendreSteps, legendre_all};
 use crate::{Error, Real, Result};
@@ -357,24 +358,4 @@ impl<T: Real> Zonal<T> {
     }
 }
 
-impl<T: Real + approx::AbsDiffEq<Epsilon = T>> approx::AbsDiffEq for Zonal<T> {
-    type Epsilon = T;
-
-    fn default_epsilon() -> T {
-        T::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
-        self.factors[..].abs_diff_eq(&other.factors[..], epsilon)
-    }
-}
-
-impl<T: Real + approx::RelativeEq<Epsilon = T>> approx::RelativeEq for Zonal<T> {
-    fn default_max_relative() -> T {
-        T::default_max_relative()
-    }
-
-    fn relative_eq(&self, other: &Self, epsilon: T, max_relative: T) -> bool {
-        self.factors[..].relative_eq(&other.factors[..], epsilon, max_relative)
-    }
-}
+approx_by_parts!([T] Zonal<T>, T, |z| close [&z.factors] same []);

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// f(cos θ) = κ/(4π sinh κ) e^{κ cos θ}, ∫ f = 1: a lobe about an axis, the narrower the larger κ.
@@ -156,3 +157,5 @@ fn mean_length(kappa: f64) -> f64 {
         (1..=20).rev().fold(0.0, |r, l| kappa / (f64::from(2 * l + 1) + kappa * r))
     }
 }
+
+approx_by_parts!([] VonMisesFisher, f64, |f| close [[f.concentration]] same []);

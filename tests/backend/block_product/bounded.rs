@@ -12,9 +12,9 @@ use haarmonic::sphere::CubeMap;
 use proptest::prelude::*;
 
 use super::support::{
-    Axes, above, baker, cases, constant, frame, grid, in_turn, layout, lobe, mean, noise, noisy, of_sky, one_texel,
-    patchwork, sky, soup, view,
+    Axes, above, constant, frame, in_turn, layout, lobe, mean, of_sky, one_texel, patchwork, sky, view,
 };
+use crate::support::{baker, cases, grid, noise, noisy, soup};
 
 struct Shot<'a> {
     mesh: &'a Mesh,

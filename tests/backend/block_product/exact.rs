@@ -11,7 +11,8 @@ use haarmonic::scene::{
 };
 use haarmonic::sphere::CubeMap;
 
-use super::support::{above, baker, frame, grid, in_turn, layout, lobe, noisy, patchwork, sky, soup, view};
+use super::support::{above, frame, in_turn, layout, lobe, patchwork, sky, view};
+use crate::support::{baker, grid, noisy, soup};
 
 type Lobes = Vec<(&'static str, Arc<dyn Brdf>)>;
 

@@ -7,7 +7,8 @@ use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Brdf, BrdfFn, CookTorrance, Lambert, Phong, Sum, Ward};
 
-use super::support::{above, constant, frame, in_turn, layout, lobe, noisy, patchwork, soup, view};
+use super::support::{above, constant, frame, in_turn, layout, lobe, patchwork, view};
+use crate::support::{noisy, soup};
 
 const RULES: [Rule; 4] = [
     Rule::Pixels,

@@ -11,9 +11,8 @@ use haarmonic::scene::{
 };
 use haarmonic::sphere::CubeMap;
 
-use super::support::{
-    Axes, baker, frame, grid, in_turn, layout, lobe, noisy, patchwork, reflectance, soup, terms, view, visibility,
-};
+use super::support::{Axes, frame, in_turn, layout, lobe, patchwork, reflectance, terms, view, visibility};
+use crate::support::{baker, grid, noisy, soup};
 
 /// Lobes of every class, on both sides of every limit.
 fn lobes() -> Vec<Arc<dyn Brdf>> {

@@ -6,7 +6,8 @@ use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Camera, CookTorrance, Lambert, Materials, Mesh, Model, Phong, Procedural, Sum, View};
 
-use super::support::{above, baker, constant, frame, in_turn, layout, lobe, noisy, patchwork, sky, soup, view};
+use super::support::{above, constant, frame, in_turn, layout, lobe, patchwork, sky, view};
+use crate::support::{baker, noisy, soup};
 
 fn rules() -> [Rule; 4] {
     [Rule::Pixels, Rule::Fixed { angle: BlockAngle::Centre }, Rule::default(), Rule::bounded(0.5).unwrap()]

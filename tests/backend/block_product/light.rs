@@ -7,7 +7,8 @@ use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product as twin;
 use haarmonic::scene::Sky;
 
-use super::support::{ORDERS, constant, grid, layout, noisy, of_sky, one_texel, sky};
+use super::support::{ORDERS, constant, layout, of_sky, one_texel, sky};
+use crate::support::{grid, noisy};
 
 #[test]
 fn weights_are_the_cardinal_functions_integrals() {

@@ -1,12 +1,14 @@
-//! Nanoseconds of spherical harmonics against the goals of docs/performance.md. Same inputs and same way as peers/directxmath.cpp, so
-//! that peers/against_directxmath.py can run both alternately.
+//! Nanoseconds of spherical harmonics in `f32`, in turn: products, rotations, evaluation, projection. Same inputs and
+//! same way as peers/directxmath.cpp, so that peers/against_directxmath.py can run both alternately.
 //!
-//! Run with: cargo bench -p haarmonic-benches --bench sh_gates [-- WORDS]: jobs whose name holds all the words.
+//! Run with: cargo bench -p haarmonic-benches --bench sh [-- WORDS]: jobs whose name holds all the words.
 
 use std::hint::black_box;
 
 use haarmonic::nalgebra::{Rotation3, Unit, UnitQuaternion, Vector3};
-use haarmonic::sh::{Basis, CubeProjection, Expansion, Product, Rotation, Rotator, Square, TexelRule, rotate_z};
+use haarmonic::sh::{
+    Basis, CubeProjection, Expansion, Product, Rotation, Rotator, Square, TexelRule, rotate_z, rotate_z_batch,
+};
 use haarmonic::sphere::{CubeGrid, CubeMap, fibonacci_directions};
 use haarmonic_benches::{Jobs, numbers};
 
@@ -23,13 +25,21 @@ fn products(jobs: &mut Jobs) {
         let product = Product::<f32>::new(bands, bands, bands).expect("bands in range");
         let square = Square::<f32>::new(bands, bands).expect("bands in range");
         let (a, b, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS), numbers(size * INPUTS));
-        let single = product.clone();
+        let (single, lone, f) = (product.clone(), square.clone(), a.clone());
         jobs.add(format!("product single {bands}"), INPUTS, move || {
             let inputs = a.chunks_exact(size).zip(b.chunks_exact(size));
             for ((a, b), out) in inputs.zip(black_box(&mut out).chunks_exact_mut(size)) {
                 single.apply(a, b, out);
             }
         });
+        let mut out = f.clone();
+        jobs.add(format!("square single {bands}"), INPUTS, move || {
+            for (f, out) in f.chunks_exact(size).zip(black_box(&mut out).chunks_exact_mut(size)) {
+                lone.apply(f, out);
+            }
+        });
+        let (f, mut matrix, plan) = (numbers(size), numbers(size * size), product.clone());
+        jobs.add(format!("matrix of a product {bands}"), 1, move || plan.matrix(black_box(&f), black_box(&mut matrix)));
         let (a, b, mut out) = (numbers(size * count), numbers(size * count), numbers(size * count));
         let f = a.clone();
         jobs.add(format!("product batch {bands}"), count, move || {
@@ -42,8 +52,8 @@ fn products(jobs: &mut Jobs) {
     }
 }
 
-/// A call that stays one and writes to where its result belongs, as DirectXMath's do: what is inlined into a loop over arrays may be
-/// vectorised across them.
+/// A call that stays one and writes to where its result belongs, as DirectXMath's do: what is inlined into a loop over
+/// arrays may be vectorised across them.
 #[inline(never)]
 fn call<A, B, R>(function: impl Fn(A, B) -> R, a: A, b: B, out: &mut R) {
     *out = function(a, b);
@@ -149,9 +159,21 @@ fn batch_rotations(jobs: &mut Jobs) {
         let quaternions: Vec<_> = (0..INPUTS).map(|i| UnitQuaternion::from_rotation_matrix(&turn(i))).collect();
         let q = [0, 1, 2, 3].map(|k| quaternions.iter().map(|q| q.coords[k] as f32).collect::<Vec<_>>());
         let rotator = Rotator::<f32>::new(bands).expect("bands in range");
-        let (f, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS));
+        let (f, mut out, plan) = (numbers(size * INPUTS), numbers(size * INPUTS), rotator.clone());
         jobs.add(format!("a rotation each {bands}"), INPUTS, move || {
-            rotator.apply_quaternion_batch(INPUTS, q.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
+            plan.apply_quaternion_batch(INPUTS, q.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
+        });
+        let r: [Vec<f32>; 9] = std::array::from_fn(|k| (0..INPUTS).map(|i| turn(i)[(k / 3, k % 3)] as f32).collect());
+        let (f, mut out) = (numbers(size * INPUTS), numbers(size * INPUTS));
+        jobs.add(format!("a matrix each {bands}"), INPUTS, move || {
+            rotator.apply_batch(INPUTS, r.each_ref().map(|c| &c[..]), black_box(&f), black_box(&mut out));
+        });
+        let (mut f, [cos, sin]) = (
+            numbers(size * INPUTS),
+            [f32::cos, f32::sin].map(|f| numbers(INPUTS).into_iter().map(f).collect::<Vec<_>>()),
+        );
+        jobs.add(format!("about z each {bands}"), INPUTS, move || {
+            rotate_z_batch(&cos, &sin, black_box(&mut f));
         });
     }
 }
