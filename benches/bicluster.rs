@@ -1,5 +1,5 @@
-//! Biclustering: the search against its naive twin, and products with a light through compressed rows and through biclusters. The
-//! matrix is the transfer matrix of the example of the same name.
+//! Biclustering: the search against its naive twin, and products with a light through compressed rows and through
+//! biclusters. The matrix is the transfer matrix of the example of the same name.
 
 use std::hint::black_box;
 

@@ -1,4 +1,5 @@
-//! Nanoseconds a vertex of locally adaptive products against their own pixel baseline, one thread, 64² × 6 texels in blocks of 16².
+//! Nanoseconds a vertex of locally adaptive products against their own pixel baseline, one thread, 64² × 6 texels in
+//! blocks of 16².
 //!
 //! Run with: cargo bench -p haarmonic-benches --bench block_product [-- WORDS]: jobs whose name holds all the words.
 

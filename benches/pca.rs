@@ -1,5 +1,5 @@
-//! Principal components of 10000 × 1024 f32, k = 32: this crate and the same algorithm on faer (one sketch of 42 columns, two power iterations, as
-//! `benches/peers/pca.py` does with numpy); exact methods; clustered components.
+//! Principal components of 10000 × 1024 f32, k = 32: this crate and the same algorithm on faer (one sketch of 42
+//! columns, two power iterations, as `benches/peers/pca.py` does with numpy); exact methods; clustered components.
 
 use std::hint::black_box;
 

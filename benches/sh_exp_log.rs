@@ -1,4 +1,5 @@
-//! Exponentials and logarithms of spherical harmonic expansions, every method, one vector and batches, beside the naive twin.
+//! Exponentials and logarithms of spherical harmonic expansions, every method, one vector and batches, beside the naive
+//! twin.
 
 use std::hint::black_box;
 

@@ -1,7 +1,8 @@
 //! ∫ L B V over one square: routes × kept terms × side, the naive twin, and the engine against the better route.
 //!
-//! Light: a gradient sky with a sun and two boxes, the same for all; BRDFs and visibilities: 32 lobes and 32 silhouettes, taken
-//! in turn, as a renderer does from vertex to vertex. Times are per integral. `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
+//! Light: a gradient sky with a sun and two boxes, the same for all; BRDFs and visibilities: 32 lobes and 32
+//! silhouettes, taken in turn, as a renderer does from vertex to vertex. Times are per integral.
+//! `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
 #![expect(clippy::print_stderr, reason = "the sweep is a table for people")]
 
 use std::hint::black_box;
@@ -178,7 +179,8 @@ fn pieces(c: &mut Criterion) {
 /// One way to compute a vertex's integral.
 type Rival<'a, T> = &'a mut dyn FnMut(&Vertex<T>) -> f64;
 
-/// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows them all alike.
+/// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows
+/// them all alike.
 fn race<T>(case: &Case<T>, rivals: &mut [Rival<'_, T>]) -> Vec<f64> {
     let mut runs = vec![Vec::new(); rivals.len()];
     for _ in 0..80 {

@@ -3,7 +3,7 @@
 
 use std::fmt::Debug;
 
-use approx::UlpsEq;
+use approx::{AbsDiffEq, UlpsEq};
 use haarmonic::affine::{AffineMap, LightFieldTerm, ProductGradient};
 use haarmonic::compress::{ClusteredPca, ClusteredPcaSettings, Distortion, Pca};
 use haarmonic::haar::{Pyramid, SparseVector};
@@ -19,7 +19,7 @@ use haarmonic::table::{self, Rectangle, SummedArea, SummedAreaStack, VisibilityD
 #[track_caller]
 fn check<V, E>(make: impl Fn(f64) -> Option<V>, other: Option<V>)
 where
-    V: UlpsEq + approx::RelativeEq + approx::AbsDiffEq<Epsilon = E> + Debug,
+    V: UlpsEq + approx::RelativeEq + AbsDiffEq<Epsilon = E> + Debug,
     E: From<f32>,
 {
     let (one, near) = (make(1.0).unwrap(), make(1.001).unwrap());
@@ -81,7 +81,7 @@ fn wavelets() {
 fn harmonics() {
     check(|x| Zonal::from_factors([0.5, x]).ok(), Zonal::from_factors([0.5, 1.0, 0.0]).ok());
     check(|x| Zonal::from_factors([0.5, x as f32]).ok(), None);
-    let table = |side, x: f64| DiffuseLight::new(&[x], 1, 1).unwrap().table(side).unwrap();
+    let table = |side, x: f64| DiffuseLight::new(&[12.0 * x], 1, 1).unwrap().table(side).unwrap();
     check(|x| Some(table(1, x)), Some(table(2, 1.0)));
     check(|x| VonMisesFisher::new(x).ok(), None);
     let extremum = |value, bound| Extremum { direction: Vector3::x_axis(), value, bound };
@@ -130,10 +130,10 @@ fn tables() {
         VisibilityDistance::new([width, 4 / width], map.as_slice(), frame).unwrap()
     };
     let (edge, corner) = ([true, true, false, false], [true, true, true, false]);
-    let open = table::Frame::Open;
+    let open = table::Border::Open;
     assert!(distances(&edge, 4, open).ulps_eq(&distances(&edge, 4, open), 0.0, 0));
     assert!(distances(&edge, 4, open).ulps_eq(&distances(&corner, 4, open), 2.0, 0));
-    for other in [distances(&corner, 4, open), distances(&edge, 2, open), distances(&edge, 4, table::Frame::Zero)] {
+    for other in [distances(&corner, 4, open), distances(&edge, 2, open), distances(&edge, 4, table::Border::Zero)] {
         assert!(!distances(&edge, 4, open).ulps_eq(&other, 0.125, 0), "{other:?}");
     }
 }
@@ -147,9 +147,9 @@ fn components() {
     };
     check(|x| pca(2, x, 0.5), pca(3, 1.0, 0.5));
     check(|x| pca(2, 0.5, x), None);
-    check(|x| Some(Distortion { max: 2.0, rms: x, relative: 0.5 }), None);
+    check(|x: f64| Some(Distortion::between(&[2.0], &[2.0 - x])), None);
     let clusters = |rows: usize, x: f64| {
-        let settings = ClusteredPcaSettings { clusters: 1, components: 1, ..ClusteredPcaSettings::default() };
+        let settings = ClusteredPcaSettings::new(1, 1);
         ClusteredPca::from_labels(&[x, 0.5].repeat(rows), 2, &vec![0; rows], &settings, &()).ok()
     };
     check(|x| clusters(2, x), clusters(3, 1.0));

@@ -194,7 +194,30 @@ fn prose_fits_the_columns() {
     assert!(wrong.is_empty(), "longer than {COLUMNS} characters:\n{}", wrong.join("\n"));
 }
 
-/// The names after every occurrence of `prefix` that is a path's beginning: one, or those of a `{…}` behind which `::` follows.
+#[test]
+fn comments_fit_the_columns() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut files = Vec::new();
+    for folder in ["src", "tests", "benches", "examples", "generate"] {
+        sources(&root.join(folder), &mut files);
+    }
+    assert!(files.len() > 400, "found only {} sources", files.len());
+    let mut wrong = Vec::new();
+    for file in files {
+        for (number, line) in fs::read_to_string(&file).unwrap().lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
+            // Rows of tables cannot be broken.
+            let is_table = comment.trim_start_matches(['/', '!', ' ']).starts_with('|');
+            if !is_table && line.chars().count() > COLUMNS {
+                wrong.push(format!("{}:{}", file.strip_prefix(root).unwrap().display(), number + 1));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "longer than {COLUMNS} characters:\n{}", wrong.join("\n"));
+}
+
+/// The names after every occurrence of `prefix` that is a path's beginning: one, or those of a `{…}` behind which `::`
+/// follows.
 fn heads(code: &str, prefix: &str) -> Vec<String> {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(prefix) {

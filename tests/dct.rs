@@ -161,7 +161,8 @@ proptest! {
     }
 }
 
-/// Every basis function of the larger sides, which the O(n⁴) twin cannot afford: one coefficient, one product of cosines.
+/// Every basis function of the larger sides, which the O(n⁴) twin cannot afford: one coefficient, one product of
+/// cosines.
 #[test]
 fn one_hot_coefficients_are_basis_functions() {
     for side in SIDES {

@@ -1,5 +1,5 @@
-//! What the mathematics makes of sizes and numbers at the ends of their range: one table of constructors, one of values, one of
-//! calls that are documented to panic.
+//! What the mathematics makes of sizes and numbers at the ends of their range: one table of constructors, one of
+//! values, one of calls that are documented to panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

@@ -136,7 +136,8 @@ fn sphere_quadrature_is_exact_to_its_degree_and_no_further() {
         for exponents in (0..=degree).flat_map(powers) {
             assert!(error(exponents) < 1e-13, "degree {degree}, {exponents:?}: {}", error(exponents));
         }
-        // One degree more must show an error somewhere, or the rule is larger than it says (odd degrees integrate to 0).
+        // One degree more must show an error somewhere, or the rule is larger than it says (odd degrees integrate to
+        // 0).
         let beyond = powers(degree + 1 + (degree + 1) % 2).map(error).fold(0.0, f64::max);
         assert!(beyond > 1e-13, "degree {degree} is exact to a higher one");
     }
@@ -306,7 +307,8 @@ fn lat_long_look_up_is_continuous_across_the_seam_and_at_the_poles() {
 
 #[test]
 fn resampling_by_area_agrees_with_dense_sampling() {
-    // A hundred points each way leave an error of a few hundredths of the range where pixels are cut; ten times as many, a tenth.
+    // A hundred points each way leave an error of a few hundredths of the range where pixels are cut; ten times as
+    // many, a tenth.
     let source = LatLongMap::new(lat_long(7, 5), (0..35).map(|i| (rough(i).ln() + 9.0) / 18.0).collect()).unwrap();
     let boxed = CubeMap::new(cube(3), (0..54).map(|i| (rough(i).ln() + 9.0) / 18.0).collect()).unwrap();
     for turn in turns() {
@@ -556,8 +558,8 @@ proptest! {
         map in strategies::lat_long_map::<f64>(24, 12), boxed in strategies::cube_map::<f64>(6),
         side in 1..12usize, turn in strategies::rotation(),
     ) {
-        // Against ∫ |L|: signed maps may integrate to nearly nothing. A turn by 1e-5 rad, where edges nearly lie on grid lines,
-        // was seen to lose 1.03e-12; without a turn, or by a large one, it is 1.4e-14 at most.
+        // Against ∫ |L|: signed maps may integrate to nearly nothing. A turn by 1e-5 rad, where edges nearly lie on
+        // grid lines, was seen to lose 1.03e-12; without a turn, or by a large one, it is 1.4e-14 at most.
         let scale = map.map(f64::abs).integral();
         let boxed_scale = boxed.map(f64::abs).integral();
         for resampling in [Resampling::Area, Resampling::Smooth] {

@@ -27,7 +27,8 @@ pub struct Measured {
     pub seconds: f64,
     /// In each format.
     pub formats: [Figures; 3],
-    /// Products with the light without decoding against those of the decoded rows: largest difference over the largest number.
+    /// Products with the light without decoding against those of the decoded rows: largest difference over the largest
+    /// number.
     pub difference: Option<f64>,
 }
 

@@ -1,11 +1,13 @@
 //! Products by quadrature: what one pair of nodes, z and −z, adds to the coefficients of the product.
 //!
-//! At a node a factor is the trigonometric polynomial Σ_m α_m e^{imφ}, α_{−m} the conjugate of α_m = c_m − i s_m. Its even and
-//! odd parts in z are sums over the l with l − m even and odd. The coefficients of the product of two are
+//! At a node a factor is the trigonometric polynomial Σ_m α_m e^{imφ}, α_{−m} the conjugate of α_m = c_m − i s_m. Its
+//! even and odd parts in z are sums over the l with l − m even and odd. The coefficients of the product of two are
 //!
-//!   H_M = Σ_{m + m' = M} α_m β_m',   and for m, m' > 0 the four products cc, ss, cs, sc serve both H_{m+m'} and H_{|m−m'|}.
+//!   H_M = Σ_{m + m' = M} α_m β_m',   and for m, m' > 0 the four products
+//!   cc, ss, cs, sc serve both H_{m+m'} and H_{|m−m'|}.
 //!
-//! Even M come from m, m' of equal parity and odd ones from the others, so that half of the sums are in registers at a time.
+//! Even M come from m, m' of equal parity and odd ones from the others, so that half of the sums are in registers at a
+//! time.
 
 use crate::text::{Text, positive};
 

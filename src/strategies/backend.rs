@@ -11,6 +11,7 @@ use crate::sphere::CubeGrid;
 ///
 /// # Panics
 /// Unless `max_side` is from 8 to [`BlockLayout::MAX_SIDE`].
+#[track_caller]
 pub fn block_layout(max_side: usize) -> BoxedStrategy<BlockLayout> {
     assert!((8..=BlockLayout::MAX_SIDE).contains(&max_side), "a largest side of {max_side}");
     let blocks: Vec<usize> = [8, 16, 32].into_iter().filter(|&block| block <= max_side).collect();

@@ -9,8 +9,8 @@ use crate::Real;
 use crate::sh::{Basis, VonMisesFisher, Zonal};
 use crate::sphere::SphereQuadrature;
 
-/// An expansion of `bands`, bands² coefficients at index l(l+1)+m: ordinary numbers in [−1, 1], smooth (falling as (l+1)⁻²), huge, tiny,
-/// one-hot or zero.
+/// An expansion of `bands`, bands² coefficients at index l(l+1)+m: ordinary numbers in [−1, 1], smooth (falling as
+/// (l+1)⁻²), huge, tiny, one-hot or zero.
 ///
 /// Huge is up to 2^−12 √max, so that products of two are finite; tiny down to the smallest normal number.
 pub fn sh_vector<T: Real>(bands: usize) -> BoxedStrategy<Vec<T>> {
@@ -34,15 +34,17 @@ pub fn sh_vector<T: Real>(bands: usize) -> BoxedStrategy<Vec<T>> {
     .boxed()
 }
 
-/// Up to `most` discs (axis, half angle): small, middling, a hemisphere, nested and overlapping as it happens, none at all.
+/// Up to `most` discs (axis, half angle): small, middling, a hemisphere, nested and overlapping as it happens, none at
+/// all.
 pub fn discs(most: usize) -> BoxedStrategy<Vec<(UnitVector3<f64>, f64)>> {
     let angle =
         prop_oneof![4 => 0.05..0.8f64, 1 => 0.8..1.5f64, 1 => Just(std::f64::consts::FRAC_PI_2), 1 => 1e-4..1e-2f64];
     vec((direction(), angle), 0..=most).boxed()
 }
 
-/// The coefficients of a function that is 0 within a union of [`discs`] and 1 elsewhere, projected by a rule of 48 rings: what is
-/// projected is 0 or 1 at each of its points, so the sums that hold for visibility hold, and its lobes ring below 0 and above 1.
+/// The coefficients of a function that is 0 within a union of [`discs`] and 1 elsewhere, projected by a rule of 48
+/// rings: what is projected is 0 or 1 at each of its points, so the sums that hold for visibility hold, and its lobes
+/// ring below 0 and above 1.
 pub fn sh_visibility(bands: usize) -> BoxedStrategy<Vec<f64>> {
     let rule = SphereQuadrature::new(95).expect("a small degree");
     let basis = Basis::<f64>::new(bands).expect("bands from 1");

@@ -1,5 +1,5 @@
-//! The canonical coupling M(r, c) and its companions: golden values, the naive twin, and every property of [Sun 2008, §4.4.2] in its
-//! corrected form (docs/errata.md).
+//! The canonical coupling M(r, c) and its companions: golden values, the naive twin, and every property of [Sun 2008,
+//! §4.4.2] in its corrected form (docs/errata.md).
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,8 @@ fn psi_psi(r: f64, c: f64) -> f64 {
     canonical(Wavelet, Wavelet, r, c)
 }
 
-/// (r, c) in multiples of 1/16 over all that can overlap for 0 < r ≤ 2, and some that cannot: everything in `f64` is exact there.
+/// (r, c) in multiples of 1/16 over all that can overlap for 0 < r ≤ 2, and some that cannot: everything in `f64` is
+/// exact there.
 fn grid() -> impl Iterator<Item = (f64, f64)> {
     let sixteenth = |k: i32| f64::from(k) / 16.0;
     (1..=32).flat_map(move |r| (-48..=64).map(move |c| (sixteenth(r), sixteenth(c))))
@@ -88,7 +89,8 @@ fn the_branches_of_figure_4_4_agree() {
 fn symmetry_about_one_half_and_mirror() {
     for (r, c) in grid() {
         let at = |f, g, r, c| canonical::<f64>(f, g, r, c);
-        // Of functions that are odd about their centre M is even, of one odd and one even function it is odd  [eq. 4.27].
+        // Of functions that are odd about their centre M is even, of one odd and one even function it is odd [eq.
+        // 4.27].
         for [f, g] in PAIRS {
             let parity = if f == g { 1.0 } else { -1.0 };
             assert_eq!(at(f, g, r, 0.5 + c), parity * at(f, g, r, 0.5 - c), "{f:?} {g:?} {r} {c}");
@@ -166,7 +168,8 @@ fn the_slopes_are_those_of_the_errata() {
 
 #[test]
 fn slopes_equal_differences_on_both_sides_of_every_kink() {
-    // Kinks lie where c, c − r or c + r is 0, ½ or 1; steps of 1/64 from the grid of 1/16 cross none, and everything is exact.
+    // Kinks lie where c, c − r or c + r is 0, ½ or 1; steps of 1/64 from the grid of 1/16 cross none, and everything is
+    // exact.
     let step = 1.0 / 64.0;
     for (r, c) in grid() {
         for r in [r, -r] {
@@ -287,8 +290,8 @@ fn anywhere() -> impl Strategy<Value = (f64, f64)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 8 * cases(64).cases, ..cases(64) })]
 
-    // c ± r is rounded only by half an ulp of itself, and only where it lies in [0, 1] does that show; then three differences of
-    // numbers up to 1. Measured: below ε.
+    // c ± r is rounded only by half an ulp of itself, and only where it lies in [0, 1] does that show; then three
+    // differences of numbers up to 1. Measured: below ε.
     #[test]
     fn it_equals_the_twin((r, c) in anywhere()) {
         for [f, g] in PAIRS {

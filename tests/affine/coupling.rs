@@ -1,4 +1,5 @@
-//! Affine couplings one by one, and the visit of those that are not zero: against golden values, the twin and exact counts.
+//! Affine couplings one by one, and the visit of those that are not zero: against golden values, the twin and exact
+//! counts.
 
 use std::collections::BTreeMap;
 

@@ -227,7 +227,8 @@ fn composition_is_one_map_and_chaining_loses() {
 
 #[test]
 fn energy_is_lost_as_the_resolution_demands() {
-    // s = 2, N = 32: the light covers half of the view; its energy is at most half of what it was, and details are lost.
+    // s = 2, N = 32: the light covers half of the view; its energy is at most half of what it was, and details are
+    // lost.
     let (size, m) = (32, map(2.0, -0.5));
     let lost = |samples: &[f64]| {
         let mean = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;

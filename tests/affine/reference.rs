@@ -214,7 +214,8 @@ fn the_counts_of_non_zeros_reach_the_errata_s_maxima() {
         })
         .map(|(s, o)| AffineMap::new(s, o).unwrap())
         .collect();
-    // The known maxima 29, 80, 193, 432 are of wavelets with wavelets; 2 log₂N + 1 couplings with the scaling function come on top.
+    // The known maxima 29, 80, 193, 432 are of wavelets with wavelets; 2 log₂N + 1 couplings with the scaling function
+    // come on top.
     for (size, wavelets) in [(8, 29), (16, 80), (32, 193), (64, 432)] {
         let most = maps.iter().map(|&map| naive::count_nonzeros_1d(size, map)).max().unwrap();
         assert_eq!(most, wavelets + 2 * size.ilog2() as usize + 1, "N = {size}");

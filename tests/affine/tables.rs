@@ -1,4 +1,5 @@
-//! Tables of affine couplings: M in a texture, stored couplings, predicted targets, and the law of the number of non-zeros.
+//! Tables of affine couplings: M in a texture, stored couplings, predicted targets, and the law of the number of
+//! non-zeros.
 
 use haarmonic::Error;
 use haarmonic::affine::{
@@ -554,9 +555,9 @@ fn wavelet_pairs(size: usize, map: AffineMap) -> usize {
     count
 }
 
-/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each finer
-/// level, the three that have one of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each pair of levels
-/// at the ends of the interval, k².
+/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each
+/// finer level, the three that have one of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each
+/// pair of levels at the ends of the interval, k².
 #[test]
 fn nonzeros_follow_the_law_at_their_most() {
     let near = AffineMap::new(1.0 + 2e-6, 1.7e-6).unwrap();

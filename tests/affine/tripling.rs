@@ -19,7 +19,8 @@ fn golden_map(case: &Value) -> AffineMap {
     map(number(&case["s"]), number(&case["o"]))
 }
 
-/// Some maps of every sort: identity, mirrored, zooming in and out, partly and wholly outside, with coinciding breakpoints.
+/// Some maps of every sort: identity, mirrored, zooming in and out, partly and wholly outside, with coinciding
+/// breakpoints.
 fn maps() -> Vec<AffineMap> {
     [
         (1.0, 0.0),
@@ -41,7 +42,8 @@ fn maps() -> Vec<AffineMap> {
     .to_vec()
 }
 
-/// The largest value that |D_ijk| can have, a scale for its errors: ∫ |f g h| ≤ the amplitudes, over the finest support.
+/// The largest value that |D_ijk| can have, a scale for its errors: ∫ |f g h| ≤ the amplitudes, over the finest
+/// support.
 fn scale([i, j, k]: [usize; 3]) -> f64 {
     [i, j, k].iter().map(|&flat| 2f64.powf(f64::from(Atom::from_flat(flat).level) / 2.0)).product()
 }

@@ -1,8 +1,8 @@
 //! What allocates nothing after the first time: frames and lights of block products.
 //!
-//! Counted on the only thread of a pool, rayon's part in a frame included. With more threads the same code runs on each of them, which is not
-//! counted. What remains is rayon's queue for calls from outside its pool: it takes a block of memory from the caller once in 63 frames
-//! (seen with pools of 2 and 4 threads); calls from inside take none.
+//! Counted on the only thread of a pool, rayon's part in a frame included. With more threads the same code runs on each
+//! of them, which is not counted. What remains is rayon's queue for calls from outside its pool: it takes a block of
+//! memory from the caller once in 63 frames (seen with pools of 2 and 4 threads); calls from inside take none.
 
 use std::sync::Arc;
 

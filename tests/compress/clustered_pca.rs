@@ -73,8 +73,8 @@ fn check_result<T: Real>(
     Ok(())
 }
 
-/// Drops components that are made of rounding, and says whether the first k of the others are determined: whether variances stand apart where
-/// they are cut off.
+/// Drops components that are made of rounding, and says whether the first k of the others are determined: whether
+/// variances stand apart where they are cut off.
 fn drop_rounding(cluster: &mut twin::NaivePca, k: usize, noise: f64) -> bool {
     let v = &cluster.variances;
     let rank = v.iter().take_while(|&&x| x > 1e-9 * v[0] && x > 8e-3 * noise).count();
@@ -104,7 +104,8 @@ fn one_round<T: Real>(rows: &[Vec<f64>], clusters: usize, k: usize) -> Result<()
     let mut kept: Vec<usize> = want.clone();
     kept.sort_unstable();
     kept.dedup();
-    // Where components are determined and no two clusters are as good as each other but for rounding, the labels are the twin's.
+    // Where components are determined and no two clusters are as good as each other but for rounding, the labels are
+    // the twin's.
     let clear = rows.iter().zip(&want).all(|(row, &label)| {
         let distances = twin::cluster_distances(row, &fitted, k);
         (0..clusters).all(|c| c == label || distances[c] > distances[label] + noise::<T>(&rows))

@@ -156,7 +156,8 @@ fn large<T: Real>(rows: usize, columns: usize) -> Vec<T> {
     out
 }
 
-/// Beyond every block of the products, tall and wide: the randomised method has the exact one's variances, and both hold what they promise.
+/// Beyond every block of the products, tall and wide: the randomised method has the exact one's variances, and both
+/// hold what they promise.
 fn both_methods_agree<T: Real>(rows: usize, columns: usize, tolerance: f64) {
     let matrix = large::<T>(rows, columns);
     for centre in [Centre::Mean, Centre::Origin] {

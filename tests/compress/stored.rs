@@ -17,8 +17,8 @@ fn bytes_of(stored: &impl Stored) -> Vec<u8> {
     bytes
 }
 
-/// Round trip, every cut, every flipped bit; and every bit that is flipped under a good checksum gives an error or something that can be
-/// stored itself.
+/// Round trip, every cut, every flipped bit; and every bit that is flipped under a good checksum gives an error or
+/// something that can be stored itself.
 fn keeps<S: Stored + PartialEq + Debug>(stored: &S, kind: Kind) {
     assert_eq!(S::kind(), kind);
     let good = bytes_of(stored);

@@ -356,7 +356,8 @@ fn the_largest_numbers_do_not_overflow() {
     check::<f64>();
 }
 
-/// NaN reaches the coefficients whose function covers the pixel, and no other; and the pixels that a coefficient covers.
+/// NaN reaches the coefficients whose function covers the pixel, and no other; and the pixels that a coefficient
+/// covers.
 #[test]
 fn nan_stays_within_supports() {
     let n = 16;

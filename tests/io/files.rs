@@ -201,8 +201,8 @@ fn ply_ascii() {
     );
 }
 
-/// A file that uses everything: other elements before and after, lists among the vertices' properties, doubles, normals,
-/// quads, strips.
+/// A file that uses everything: other elements before and after, lists among the vertices' properties, doubles,
+/// normals, quads, strips.
 fn rich_ply(format: &str) -> Vec<u8> {
     let mut out = format!(
         "ply\nformat {format} 1.0\ncomment made by hand\nobj_info none\nelement camera 2\nproperty short a\nproperty list uint16 float64 b\n\

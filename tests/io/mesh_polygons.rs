@@ -91,7 +91,8 @@ fn star(radii: &[f64], centre: P, size: f64, turn: f64) -> Vec<P> {
     (0..n).map(corner).collect()
 }
 
-/// A square of side 8 with holes in cells of a grid of 4 × 4, each joined to the outline by a bridge to its left neighbour.
+/// A square of side 8 with holes in cells of a grid of 4 × 4, each joined to the outline by a bridge to its left
+/// neighbour.
 fn with_holes(holes: &[Vec<f64>]) -> Vec<P> {
     let mut outline: Vec<P> = vec![[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]];
     for (i, radii) in holes.iter().enumerate() {
@@ -169,7 +170,8 @@ proptest! {
 
     #[test]
     fn anything(points in prop::collection::vec(prop::array::uniform2(0..6i32), 4..30)) {
-        // Crossing, touching, running back on itself: a mesh or an error, never a panic, and a warning if the area is wrong.
+        // Crossing, touching, running back on itself: a mesh or an error, never a panic, and a warning if the area is
+        // wrong.
         let outline: Vec<P> = points.iter().map(|p| p.map(f64::from)).collect();
         let mut text: String = outline.iter().map(|p| format!("v {} {} 0\n", p[0], p[1])).collect();
         text += "f";

@@ -106,9 +106,9 @@ fn angles() -> impl Strategy<Value = Angles> {
 proptest! {
     #![proptest_config(cases(48))]
 
-    /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at grazing
-    /// angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own rounding
-    /// times the slope at the peak.
+    /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at
+    /// grazing angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own
+    /// rounding times the slope at the peak.
     #[test]
     fn models_equal_the_textbook(a in angles()) {
         let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
@@ -146,8 +146,8 @@ proptest! {
         }
     }
 
-    /// At the ends of the parameters' ranges too, and of sums: both orders take the same operations but for the order of
-    /// sums of three.
+    /// At the ends of the parameters' ranges too, and of sums: both orders take the same operations but for the order
+    /// of sums of three.
     #[test]
     fn any_model_is_reciprocal_and_its_values_are_numbers(
         brdf in strategies::brdf(), a in angles(), seed in -3.0..3.0_f32, side in 1_usize..8,
@@ -185,8 +185,8 @@ proptest! {
         }
     }
 
-    /// Kernels against eval, on random frames and views. The largest is 7e-7 sharpness (Ward of roughness 1); at grazing
-    /// views 1e-8/cos θ_o more, for h_z is about cos θ_o and rounded as numbers near 1 are.
+    /// Kernels against eval, on random frames and views. The largest is 7e-7 sharpness (Ward of roughness 1); at
+    /// grazing views 1e-8/cos θ_o more, for h_z is about cos θ_o and rounded as numbers near 1 are.
     #[test]
     fn kernels_equal_eval(seed in -3.0..3.0_f32, theta in 0.0..1.57_f64, phi in 0.0..6.3_f64, side in 1_usize..24) {
         let table = DirectionTable::new(CubeGrid::new(side).unwrap());

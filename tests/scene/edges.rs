@@ -1,5 +1,5 @@
-//! Scenes, lights, views, BRDFs and the settings of back ends at the ends of their range: each case refuses, or gives what is finite, or
-//! what its documentation says; no case panics.
+//! Scenes, lights, views, BRDFs and the settings of back ends at the ends of their range: each case refuses, or gives
+//! what is finite, or what its documentation says; no case panics.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

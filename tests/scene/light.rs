@@ -202,7 +202,8 @@ fn a_sun_of_any_radius_keeps_its_energy_in_every_direction() {
     for radius in radii {
         for side in [1, 4, 7] {
             for direction in awkward_directions(side) {
-                // As bright as texels of f32 can hold, so that the energy of the smallest ones is not below its range too.
+                // As bright as texels of f32 can hold, so that the energy of the smallest ones is not below its range
+                // too.
                 let energy = 1e3;
                 let radiance = (energy / small_disc(radius)).min(1e300);
                 let sun =

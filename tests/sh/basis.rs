@@ -98,7 +98,8 @@ fn twin<T: Real>(bands: usize) -> f64 {
 #[test]
 fn twin_f64() {
     for bands in [1, 2, 3, 4, 5, 6, 7, 12, 33, 64] {
-        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so. Measured: 1.2e-17 to 2.2e-17 times bands^2.5.
+        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so. Measured: 1.2e-17 to 2.2e-17 times
+        // bands^2.5.
         assert_below(twin::<f64>(bands), 1e-16 + 4e-17 * (bands as f64).powf(2.5), &format!("bands {bands}"));
     }
 }
@@ -111,7 +112,8 @@ fn twin_f32() {
     }
 }
 
-/// The largest sizes are finite, and right where closed forms are known: y_{l,0} and y_{l,l} at the poles and the equator.
+/// The largest sizes are finite, and right where closed forms are known: y_{l,0} and y_{l,l} at the poles and the
+/// equator.
 #[test]
 fn largest_bands() {
     fn check<T: Real>(tolerance: f64) {
@@ -130,8 +132,8 @@ fn largest_bands() {
         let square = (1..=l).map(|k| 1.0 + 0.5 / k as f64).product::<f64>() / (2.0 * PI);
         assert_below((equator[index(l, l as isize)].widen() - square.sqrt()).abs(), tolerance, "equator");
     }
-    // At z = ±1 the recurrence has a double root: the error of one step grows linearly, all of them as l² eps/2 at worst
-    // (1e-3 at l = 127, 1e-10 at l = 1023); measured 1.7e-5 and 7.4e-12.
+    // At z = ±1 the recurrence has a double root: the error of one step grows linearly, all of them as l² eps/2 at
+    // worst (1e-3 at l = 127, 1e-10 at l = 1023); measured 1.7e-5 and 7.4e-12.
     check::<f32>(6e-5);
     check::<f64>(3e-11);
     for bands in [0, Basis::<f32>::max_bands() + 1] {
@@ -213,7 +215,8 @@ fn batch_forms<T: Real + bits::Bits>() {
                 let want: f64 = c.iter().zip(&one).map(|(c, y)| c.widen() * y.widen()).sum();
                 let size: f64 = c.iter().zip(&one).map(|(c, y)| (c.widen() * y.widen()).abs()).sum();
                 let error = (sums[p].widen() - want).abs();
-                // Two chains of at most `bands` additions; q overshoots y near the poles by less than the sum's own size.
+                // Two chains of at most `bands` additions; q overshoots y near the poles by less than the sum's own
+                // size.
                 assert!(
                     error <= T::epsilon().widen() * 2.0 * bands as f64 * size.max(1.0),
                     "{error:e} of {size:e}, bands {bands}"
@@ -364,7 +367,8 @@ fn hessian_against_differences() {
             }
         }
         let l = bands as f64;
-        // The differences: truncation of (l step)^6/560 l² √(l/2π) with l·step < 0.12. Measured: 1.4e-7 at 11 bands; f32 1.3e-4.
+        // The differences: truncation of (l step)^6/560 l² √(l/2π) with l·step < 0.12. Measured: 1.4e-7 at 11 bands;
+        // f32 1.3e-4.
         assert_below(error, 5e-11 * l.powi(4), &format!("Hessian, bands {bands}"));
         assert_below(error32, 5e-8 * l.powi(4), &format!("Hessian in f32, bands {bands}"));
         // |ω|² is 1 to 2 eps, times second derivatives of Y up to l² √l.

@@ -1,5 +1,5 @@
-//! Numbers at the ends of their range: what goes in NaN comes out NaN or is refused, what is finite stays so, sizes are checked before
-//! memory is taken.
+//! Numbers at the ends of their range: what goes in NaN comes out NaN or is refused, what is finite stays so, sizes are
+//! checked before memory is taken.
 
 use std::f64::consts::PI;
 

@@ -341,7 +341,8 @@ fn finite_input_gives_finite_output() {
 
 #[test]
 fn powers_beyond_the_range_are_scaled() {
-    // At ‖f̂‖ = 50 a peak of 8 bands may be e^113, beyond f32: with a constant that takes it down f32 must give what f64 does.
+    // At ‖f̂‖ = 50 a peak of 8 bands may be e^113, beyond f32: with a constant that takes it down f32 must give what
+    // f64 does.
     let peak = naive::basis(8, &UnitVector3::new_normalize(Vector3::new(-0.2, 0.4, 0.5)));
     let mut f: Vec<f64> = peak.iter().map(|y| 50.0 * y / norm(&peak)).collect();
     f[0] -= 45.0 * (4.0 * PI).sqrt();
@@ -528,7 +529,8 @@ fn logarithms_of_what_has_none() {
     }
 }
 
-/// The reason for eigenvalues: the round trip of a middling disc, each log with the exp that belongs to it [docs/errata.md].
+/// The reason for eigenvalues: the round trip of a middling disc, each log with the exp that belongs to it
+/// [docs/errata.md].
 #[test]
 fn eigenvalues_come_back_where_clipped_values_do_not() {
     let mut g = vec![0.0; 16];

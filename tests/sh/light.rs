@@ -195,7 +195,8 @@ fn degenerate_lights_are_finite_and_nan_shows() {
 
 #[test]
 fn irradiance_matrix_is_symmetric_and_has_the_published_constants() {
-    // c1…c5 of the paper, for one coefficient at a time; the last digits of c2 and c3 are not rounded right there (…63, …24).
+    // c1…c5 of the paper, for one coefficient at a time; the last digits of c2 and c3 are not rounded right there (…63,
+    // …24).
     let form = |i: usize| {
         let mut light = [0.0f64; 9];
         light[i] = 1.0;

@@ -73,8 +73,8 @@ fn polygons_of_any_size_and_shape_are_their_integrals() {
 
 #[test]
 fn polygons_seen_at_a_slant_are_their_integrals() {
-    // Almost from within the plane: distances differ tenfold within a small angle. A sliver, too large for the area: the outline is
-    // 900 times the solid angle, and so are the roundings.
+    // Almost from within the plane: distances differ tenfold within a small angle. A sliver, too large for the area:
+    // the outline is 900 times the solid angle, and so are the roundings.
     let across = [Vector3::new(0.02, 0.0, 0.0), Vector3::new(0.0, 0.01, 4.0)];
     assert_is_brute_force(6, &star(Vector3::new(0.1, 0.0, 5.0), across, &[1.0; 5]), 3, 5e-13);
     // From close by: nearly a hemisphere.
@@ -287,12 +287,16 @@ proptest! {
         let v: Vec<Vector3<f64>> = vertices.iter().map(|v| v.into_inner()).collect();
         let next = |i: usize| &v[(i + 1) % v.len()];
         let outline: f64 = (0..v.len()).map(|i| v[i].cross(next(i)).norm().atan2(v[i].dot(next(i)))).sum();
-        // The integrand is steep where a polygon is nearly a hemisphere.
-        let levels = if outline > 3.0 { 5 } else if outline > 1.0 { 3 } else { 0 };
+        // Towards a hemisphere the integrand is steep, and brute force sums so many terms that it has fewer digits.
+        let (levels, tolerance) = match outline {
+            x if x > 3.0 => (5, 1e-12),
+            x if x > 1.0 => (3, 2e-14),
+            _ => (0, 2e-14),
+        };
         let (got, want) = (eval(bands, &v, None), naive::polygon(bands, &v, None, levels));
         prop_assert!(got[0] >= 0.0 && want[0] >= 0.0, "{} {}", got[0], want[0]);
         let error = worst(&got, &want);
-        prop_assert!(error <= 2e-14 * largest(&want) + 1e-15 * outline, "{error:e} of {:e}", largest(&want));
+        prop_assert!(error <= tolerance * largest(&want) + 1e-15 * outline, "{error:e} of {:e}", largest(&want));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and theorems.
+//! Projection, reconstruction, windows, extrema and fits of spherical harmonics against naive twins, golden values and
+//! theorems.
 
 use std::f64::consts::PI;
 
@@ -58,8 +59,8 @@ fn cube_maps_against_the_twin() {
             let want = cube_twin(grid, &texels, bands, rule);
             let map = CubeMap::new(grid, texels.clone()).unwrap();
             let [got] = CubeProjection::new(grid, bands, rule).unwrap().project(&map);
-            // Texels up to 1.1 over 4π, basis values up to √bands: eps · 14 · √bands, and the twin's own rounding; its Gauss weights
-            // are known to 1e-14.
+            // Texels up to 1.1 over 4π, basis values up to √bands: eps · 14 · √bands, and the twin's own rounding; its
+            // Gauss weights are known to 1e-14.
             let what = format!("side {side}, {bands} bands, {rule:?}");
             let scale = 14.0 * (bands as f64).sqrt();
             assert_below(worst(&got, &want), 60.0 * f64::EPSILON * scale, &what);
@@ -157,7 +158,8 @@ fn golden_clamped_cosine() {
     let by = |degree: usize| -> Vec<f64> {
         project_fn(want.len(), &SphereQuadrature::new(degree).unwrap(), |d| d.z.max(0.0)).unwrap()
     };
-    // The kink lies on a ring of the first rule and midway between two of the second: errors h²/12 and −h²/24 of one kind.
+    // The kink lies on a ring of the first rule and midway between two of the second: errors h²/12 and −h²/24 of one
+    // kind.
     let (on, off) = (by(1000), by(1002));
     for (i, (on, off)) in on.into_iter().zip(off).enumerate() {
         let (l, m) = degree_order(i);
@@ -211,8 +213,8 @@ fn constants_and_the_largest_plans() {
     }
 }
 
-/// What the documentation says about round trips: c → map → c. Once by centres, where the error is that of the rule of centres for
-/// products of harmonics, and once by means, where each way blurs by the texel.
+/// What the documentation says about round trips: c → map → c. Once by centres, where the error is that of the rule of
+/// centres for products of harmonics, and once by means, where each way blurs by the texel.
 #[test]
 fn round_trips() {
     let c = coefficients(6);
@@ -465,8 +467,8 @@ fn the_flow_of_heat_blurs_less_with_more_bands() {
     assert!(curved_more > 0.9 * curved && heat_more < 0.5 * heat, "{curved} {curved_more}, {heat} {heat_more}");
 }
 
-/// Relative L² error of a light after each family of windows, all channels alike, by light and bands; the table of docs/sh.md:
-/// `cargo test --all-features --test sh the_default_window -- --nocapture`.
+/// Relative L² error of a light after each family of windows, all channels alike, by light and bands; the table of
+/// docs/sh.md: `cargo test --all-features --test sh the_default_window -- --nocapture`.
 #[test]
 #[expect(clippy::print_stdout, reason = "the table of docs/sh.md")]
 fn the_default_window_of_deringing_is_the_nearer_one() {
@@ -656,8 +658,9 @@ fn fits_that_cannot_be() {
     assert!(c.iter().all(|c: &f64| c.is_nan()));
 }
 
-/// Over 36 coefficients and 20 seeds the errors in units of the stated ones follow Student's t of 15 degrees of freedom, whose
-/// variance is 15/13; they are dependent, so a factor 1.3 either way is allowed (an error that is stated twice too large or small fails).
+/// Over 36 coefficients and 20 seeds the errors in units of the stated ones follow Student's t of 15 degrees of
+/// freedom, whose variance is 15/13; they are dependent, so a factor 1.3 either way is allowed (an error that is stated
+/// twice too large or small fails).
 #[test]
 fn monte_carlo_states_its_error() {
     // A cap off every axis, with an edge, and a smooth channel; truth by the addition theorem.

@@ -149,8 +149,8 @@ fn group_law_and_inverse() {
             let one: Vec<f64> = (0..size * size).map(|k| f64::from(u8::from(k / size == k % size))).collect();
             unit = unit.max(worst(&multiply(ma.block(l), back.block(l), size), &one));
         }
-        // Rounding of a, b and a·b moves degree l by l eps or so, as does that of the powers of each turn. Measured: 1.7e-15, 4.1e-15,
-        // 1.9e-14; inverse 3.6e-15, 1.2e-14, 2.0e-14.
+        // Rounding of a, b and a·b moves degree l by l eps or so, as does that of the powers of each turn. Measured:
+        // 1.7e-15, 4.1e-15, 1.9e-14; inverse 3.6e-15, 1.2e-14, 2.0e-14.
         assert_below(law, tolerance, "group law");
         assert_below(unit, own, "inverse");
     }
@@ -220,7 +220,8 @@ fn batch_forms<T: Real>() -> f64 {
                 for (k, (out, want)) in outs.iter().zip(&want).enumerate() {
                     for i in 0..n {
                         let (got, want) = (out[i * count + v], want[i]);
-                        // Up to six bands a single rotation takes another way, of a matrix that is one to rounding only.
+                        // Up to six bands a single rotation takes another way, of a matrix that is one to rounding
+                        // only.
                         if k < 2 {
                             worst = worst.max((got - want).abs().widen() / T::epsilon().widen());
                         } else {

@@ -159,7 +159,8 @@ proptest! {
 
 #[test]
 fn sizes_beyond_a_band_and_a_chunk() {
-    // Bands are 64 rows, chunks 256 columns: one and a bit of each, in both ways round. Small integers: exact in every type.
+    // Bands are 64 rows, chunks 256 columns: one and a bit of each, in both ways round. Small integers: exact in every
+    // type.
     for (width, height) in [(257, 9), (261, 65), (513, 3), (1, 200), (16, 129)] {
         let samples: Vec<f64> = (0..width * height).map(|i| ((i * 7919) % 23) as f64 - 11.0).collect();
         let want = twin::summed_area(width, height, &samples);
@@ -179,7 +180,8 @@ fn sizes_beyond_a_band_and_a_chunk() {
     assert!(serial == parallel);
 }
 
-/// Rows that are summed two at a time and columns that are taken sixteen at a time, or one by one where they end: the same bits.
+/// Rows that are summed two at a time and columns that are taken sixteen at a time, or one by one where they end: the
+/// same bits.
 #[test]
 fn parts_of_an_image_have_the_bits_of_the_whole() {
     fn check<T: Real>(width: usize, height: usize) {

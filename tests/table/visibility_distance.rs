@@ -299,7 +299,8 @@ fn sticks(numbers: &mut Stream) -> Vec<bool> {
     drawn(|u, v| all.iter().all(|(side, half)| side(u, v).abs() > *half))
 }
 
-/// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their summed-area tables.
+/// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their
+/// summed-area tables.
 fn rms(mut map: impl FnMut(&mut Stream) -> Vec<bool>) -> [f64; 5] {
     let (mut numbers, mut sums, mut count) = (Stream::new(1), [0.0; 5], 0.0);
     for _ in 0..150 {
@@ -326,8 +327,8 @@ fn rms(mut map: impl FnMut(&mut Stream) -> Vec<bool>) -> [f64; 5] {
     sums.map(|sum| (sum / count).sqrt())
 }
 
-/// The figures of docs/table.md. Other random maps give other digits: of the corrected forms, a sixth at most (it is the share of squares near
-/// the boundary that makes eq. 9 as printed anything from .2 to .3).
+/// The figures of docs/table.md. Other random maps give other digits: of the corrected forms, a sixth at most (it is
+/// the share of squares near the boundary that makes eq. 9 as printed anything from .2 to .3).
 #[test]
 fn coverage_of_random_maps() {
     let straight = |n: &mut Stream| {

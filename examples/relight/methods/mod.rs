@@ -1,6 +1,7 @@
 //! Runs the methods and measures them against ground truth.
 //!
-//! A method is one file: a type that holds its own options and implements [`Method`]. A line in [`methods!`] makes it known.
+//! A method is one file: a type that holds its own options and implements [`Method`]. A line in [`methods!`] makes it
+//! known.
 
 mod block_product;
 mod wavelet_double;

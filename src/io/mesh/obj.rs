@@ -32,8 +32,8 @@ use crate::{Error, Result};
 /// the backslash was the last character of a name then. In a comment it means nothing.
 ///
 /// Repaired with a warning: faces with fewer than three corners, normals that a face names and the file does not have,
-/// unknown statements, and what is repaired in [every format](crate::io#meshes). NaN and infinity are understood as other
-/// programs spell them (`-nan(ind)`, `1.#QNAN`, …).
+/// unknown statements, and what is repaired in [every format](crate::io#meshes). NaN and infinity are understood as
+/// other programs spell them (`-nan(ind)`, `1.#QNAN`, …).
 ///
 /// # Errors
 /// [`Error::File`] with the line for everything else that cannot be read: a missing or malformed number, a coordinate

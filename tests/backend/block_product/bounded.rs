@@ -47,8 +47,8 @@ impl Shot<'_> {
     }
 }
 
-/// The largest error of a vertex in units of what it may be: `each`, tolerance × mean radiance, of all blocks, divided by √(blocks/2), adds
-/// up over the half of the blocks that is above a horizon.
+/// The largest error of a vertex in units of what it may be: `each`, tolerance × mean radiance, of all blocks, divided
+/// by √(blocks/2), adds up over the half of the blocks that is above a horizon.
 fn worst(radiance: &[Vector3<f32>], truth: &[Vector3<f64>], each: f64, transport: &Transport) -> f64 {
     let allowed = each * (0.5 * transport.layout().blocks() as f64).sqrt();
     let off = |(got, want): (&Vector3<f32>, &Vector3<f64>)| {
@@ -160,7 +160,8 @@ fn the_default_is_better_than_45_db() {
     }
 }
 
-/// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is off.
+/// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is
+/// off.
 #[test]
 #[expect(clippy::print_stdout, reason = "the table of docs/block_product.md")]
 fn lobes_about_the_half_vector_are_as_good() {
@@ -187,8 +188,8 @@ fn lobes_about_the_half_vector_are_as_good() {
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
     let truth = shot.truth();
     let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
-    // Measured 46.9 to 88.6 dB, and of these: rough GGX lobes whose one sign adds up over all blocks, and lobes so dim that an error that
-    // is allowed shows beside their own peak.
+    // Measured 46.9 to 88.6 dB, and of these: rough GGX lobes whose one sign adds up over all blocks, and lobes so dim
+    // that an error that is allowed shows beside their own peak.
     let floor = |name: &str| match name {
         "GGX 0.7" => 37.5,
         "GGX 1" => 35.0,

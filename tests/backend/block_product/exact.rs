@@ -92,7 +92,8 @@ impl Shot<'_> {
                 let of: (Vec<_>, Vec<_>) =
                     truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(names.len()).unzip();
                 assert!(of.0.iter().any(|l| l.max() > 0.0), "{what}, {name}: all black");
-                // f32 directions, light and lobes: measured up to 5e-7; 1.7e-6 for the needle, √n roundings of a direction.
+                // f32 directions, light and lobes: measured up to 5e-7; 1.7e-6 for the needle, √n roundings of a
+                // direction.
                 let bound = if *name == "phong 10000" { 5e-6 } else { 1e-6 };
                 let error = Comparison::new(&of.0, &of.1).unwrap().rel_l2;
                 assert!(error <= bound, "{what}, {name}, {rule:?}: {error:e}");

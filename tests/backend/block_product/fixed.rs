@@ -36,7 +36,8 @@ fn lobes() -> Vec<Arc<dyn Brdf>> {
     ]
 }
 
-/// The exponent of a Phong lobe of the same width: half vectors turn half as far, and a slope of α is a lobe of exponent 2/α² about them.
+/// The exponent of a Phong lobe of the same width: half vectors turn half as far, and a slope of α is a lobe of
+/// exponent 2/α² about them.
 fn exponent(brdf: &dyn Brdf) -> Option<f64> {
     let of_slope = |alpha: [f64; 2]| 2.0 / alpha[0].min(alpha[1]).powi(2) / 4.0;
     match brdf.structure() {

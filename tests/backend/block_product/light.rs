@@ -29,8 +29,8 @@ fn weights_are_the_cardinal_functions_integrals() {
                         let got = forms.weights(c, b);
                         assert_eq!(got.len(), 21);
                         for (node, (&got, want)) in got.iter().zip(&want).enumerate() {
-                            // One rounding to f32; solid angles of the grid cancel to side · 1e-16, and cardinal functions
-                            // reach 4: measured 1.3e-14.
+                            // One rounding to f32; solid angles of the grid cancel to side · 1e-16, and cardinal
+                            // functions reach 4: measured 1.3e-14.
                             let slack = 6.0e-8 * want[c].abs() + 1e-13 * size[c];
                             let off = (f64::from(got) - want[c]).abs();
                             assert!(off <= slack, "{side}/{block} {basis:?} block {b} node {node}: off by {off:e}");

@@ -74,7 +74,8 @@ impl Axes {
     }
 }
 
-/// ρ cos of one lobe, in local coordinates: f cos above the horizon and 0 below, but for Lambert and Phong, which go on smoothly.
+/// ρ cos of one lobe, in local coordinates: f cos above the horizon and 0 below, but for Lambert and Phong, which go on
+/// smoothly.
 pub fn reflectance(brdf: &dyn Brdf, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
     match brdf.structure() {
         Structure::Lobe(Lobe::Lambert(_)) => brdf.eval(&Vector3::z(), wo) * wi.z,

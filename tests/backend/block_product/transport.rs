@@ -109,7 +109,8 @@ fn each_block_takes_the_path_with_fewer_changes() {
     assert!(taken[0] > 500 && taken[1] > 500, "{taken:?}");
 }
 
-/// The figures of docs/block_product.md: changes a partly hidden block of the table scene along one path, and along the better of two.
+/// The figures of docs/block_product.md: changes a partly hidden block of the table scene along one path, and along the
+/// better of two.
 #[test]
 fn two_paths_have_fewer_changes_than_any_one() {
     let mesh = Procedural::Table.build(1000).unwrap().mesh;

@@ -1,11 +1,11 @@
 //! The error of a reflectance that is read at few samples a block: measured once for each lobe, looked up in every
 //! frame.
 //!
-//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is at
-//! most
+//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is,
+//! by Cauchy and Schwarz and by Hölder for 0 ≤ V ≤ 1, at most
 //! ```math
 //! free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
-//! partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|        (Cauchy and Schwarz, Hölder; 0 ≤ V ≤ 1)
+//! partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|
 //! ```
 //! The three norms of e are tabulated for l = 0 (nothing at all), 1, 2 and 4; those of the light are numbers a block,
 //! new with each light. Under a smooth sky a free block so needs few samples of a sharp lobe, where the sun stands it
