@@ -1,8 +1,8 @@
-//! ∫∫ F(s x + o) G(x) W(x) of sparse signals: the wavelet domain, by both routes, against the honest pixel route (decode G and W,
-//! resample F exactly by a summed-area table, multiply and add).
+//! ∫∫ F(s x + o) G(x) W(x) of sparse signals: the wavelet domain, by both routes, against the honest pixel route
+//! (decode G and W, resample F exactly by a summed-area table, multiply and add).
 //!
-//! Light: a gradient, a bright disk and two boxes; 32 lobes, silhouettes and maps are taken in turn, as a renderer does from vertex to
-//! vertex. Times are per integral. F's own table is made once, for every method.
+//! Light: a gradient, a bright disk and two boxes; 32 lobes, silhouettes and maps are taken in turn, as a renderer does
+//! from vertex to vertex. Times are per integral. F's own table is made once, for every method.
 
 use std::hint::black_box;
 

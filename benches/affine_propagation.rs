@@ -1,9 +1,9 @@
-//! Carrying a 32² or 64² light to a place: routes, the dense operator and a summed-area table, against terms kept; and a zoom
-//! without decompression.
+//! Carrying a 32² or 64² light to a place: routes, the dense operator and a summed-area table, against terms kept; and
+//! a zoom without decompression.
 //!
-//! A place is one pair of maps, 64 of them in turn, as a renderer goes from vertex to vertex; s between ½ and 2. Times are per place.
-//! `AFFINE_SWEEP=FILE` measures every route over terms kept at source and target, prints the engine's choice against the best and
-//! writes FILE as CSV.
+//! A place is one pair of maps, 64 of them in turn, as a renderer goes from vertex to vertex; s between ½ and 2. Times
+//! are per place. `AFFINE_SWEEP=FILE` measures every route over terms kept at source and target, prints the engine's
+//! choice against the best and writes FILE as CSV.
 #![expect(clippy::print_stderr, reason = "the sweep is a table for people")]
 
 #[path = "../examples/affine/contenders.rs"]
@@ -60,9 +60,11 @@ fn propagate(criterion: &mut Criterion) {
     }
 }
 
-/// A window of a compressed image, four times as large: in the wavelet domain, and by decompression, resampling and transformation.
+/// A window of a compressed image, four times as large: in the wavelet domain, and by decompression, resampling and
+/// transformation.
 ///
-/// Neither side selects terms of the result. The peer resamples by a summed-area table, or by the bands of the engine's pixel route.
+/// Neither side selects terms of the result. The peer resamples by a summed-area table, or by the bands of the engine's
+/// pixel route.
 fn zoom(criterion: &mut Criterion) {
     for basis in BASES {
         for side in [256, 512] {

@@ -1,5 +1,5 @@
-//! Biclustering: the search against its naive twin, and products with a light through compressed rows and through biclusters. The
-//! matrix is the transfer matrix of the example of the same name.
+//! Biclustering: the search against its naive twin, and products with a light through compressed rows and through
+//! biclusters. The matrix is the transfer matrix of the example of the same name.
 
 use std::hint::black_box;
 
@@ -60,9 +60,10 @@ fn products(c: &mut Criterion) {
         let mut out = vec![0.0; matrix.rows() * sides];
         let mut scratch = vec![0.0; plan.scratch_len(sides)];
         group.throughput(Throughput::Elements((matrix.nnz() * sides) as u64));
-        group.bench_function(BenchmarkId::new("rows", sides), |b| b.iter(|| matrix.multiply(&x, sides, &mut out)));
+        group
+            .bench_function(BenchmarkId::new("rows", sides), |b| b.iter(|| matrix.multiply_batch(sides, &x, &mut out)));
         group.bench_function(BenchmarkId::new("biclusters", sides), |b| {
-            b.iter(|| plan.multiply_with_scratch(&x, sides, &mut out, &mut scratch));
+            b.iter(|| plan.multiply_batch(sides, &x, &mut out, &mut scratch));
         });
     }
     group.finish();

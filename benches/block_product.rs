@@ -1,4 +1,5 @@
-//! Nanoseconds a vertex of locally adaptive products against their own pixel baseline, one thread, 64² × 6 texels in blocks of 16².
+//! Nanoseconds a vertex of locally adaptive products against their own pixel baseline, one thread, 64² × 6 texels in
+//! blocks of 16².
 //!
 //! Run with: cargo bench -p haarmonic-benches --bench block_product [-- WORDS]: jobs whose name holds all the words.
 
@@ -6,7 +7,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use haarmonic::backend::block_product::{
-    Basis, BlockAngle, BlockLayout, LightForms, Relighter, Rule, Settings, Transport,
+    BlockAngle, BlockLayout, LightForms, Relighter, Rule, SampleBasis, Settings, Transport,
 };
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
@@ -89,7 +90,7 @@ fn main() {
     let stage = stage();
     let view = View::eye(stage.model.camera.eye().cast()).expect("a finite eye");
     let mut jobs = Jobs::default();
-    let mut forms = LightForms::new(stage.transport.layout(), Basis::default()).expect("a layout");
+    let mut forms = LightForms::new(stage.transport.layout(), SampleBasis::default()).expect("a layout");
     jobs.add("light", 1, move || forms.set(black_box(&stage.light)).expect("a finite light"));
     let vertices = stage.model.mesh.positions().len();
     for (name, specs) in MATERIALS {

@@ -48,7 +48,8 @@ impl Peer {
 fn blocks(c: &mut Criterion) {
     let mut group = c.benchmark_group("dct");
     group.sample_size(20);
-    // A batch that does not fit the cache at n = 16, as in the gate, and about as many samples in cache at every side.
+    // A batch that does not fit the cache at n = 16, as in the bench `table`, and about as many samples in cache at
+    // every side.
     for (side, count) in [(16, 10_000), (4, 1024), (8, 256), (16, 64), (32, 16), (64, 4)] {
         let id = |name: &str| BenchmarkId::new(name, format!("{count}x{side}"));
         let x = samples(count * side * side);

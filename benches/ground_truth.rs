@@ -6,8 +6,8 @@ use std::sync::Arc;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    AshikhminShirley, BinaryVisibility, BlinnPhong, Brdf, BrdfFn, CookTorrance, DirectionTable, Frame, GroundTruth,
-    Lambert, Materials, Mesh, Phong, TexelVisibility, View, Ward,
+    AshikhminShirley, BinaryVisibility, BlinnPhong, Brdf, BrdfFn, CookTorrance, DirectionTable, GroundTruth, Lambert,
+    LocalFrame, Materials, Mesh, Phong, TexelVisibility, View, Ward,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
 
@@ -16,7 +16,7 @@ fn slices(c: &mut Criterion) {
     let table = DirectionTable::new(CubeGrid::new(64).unwrap());
     let normal = Vector3::new(0.36_f32, 0.48, 0.8);
     let tangent = Vector3::new(0.8, -0.6, 0.0_f32);
-    let frame = Frame { tangent, bitangent: normal.cross(&tangent), normal };
+    let frame = LocalFrame { tangent, bitangent: normal.cross(&tangent), normal };
     let wo = Vector3::new(0.1, 0.9, 0.4).normalize();
     let phong = Phong::new([1.0; 3], 50.0).unwrap();
     let models: [(&str, Arc<dyn Brdf>); 7] = [

@@ -1,7 +1,7 @@
-//! Criterion benches of haarmonic; see docs/performance.md for what they measured.
+//! What the benches share. README.md says what each harness is for; docs/performance.md has what was measured.
 //!
-//! What does not need statistics but must stand against goals on a noisy machine is timed by [`Jobs`]: every job in turn, over and over, the least
-//! and the median of its rounds.
+//! What is compared with each other on a noisy machine is timed by [`Jobs`]: every job in turn, over and over, the
+//! least and the median of its rounds.
 
 use std::time::{Duration, Instant};
 

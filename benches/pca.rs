@@ -1,5 +1,5 @@
-//! Principal components of 10000 × 1024 f32, k = 32: this crate and the same algorithm on faer (one sketch of 42 columns, two power iterations, as
-//! `benches/peers/pca.py` does with numpy); exact methods; clustered components.
+//! Principal components of 10000 × 1024 f32, k = 32: this crate and the same algorithm on faer (one sketch of 42
+//! columns, two power iterations, as `benches/peers/pca.py` does with numpy); exact methods; clustered components.
 
 use std::hint::black_box;
 
@@ -138,7 +138,7 @@ fn clustered(c: &mut Criterion) {
             let x: Vec<f32> = matrix[..columns * sides].to_vec();
             let (mut out, mut scratch) = (vec![0.0; n * sides], vec![0.0; coded.scratch_len(sides)]);
             group.bench_function(BenchmarkId::new("multiply", format!("{id}_{sides}")), |b| {
-                b.iter(|| coded.multiply_with_scratch(black_box(&x), sides, &mut out, &mut scratch));
+                b.iter(|| coded.multiply_batch(sides, black_box(&x), &mut out, &mut scratch));
             });
             group.bench_function(BenchmarkId::new("dense", format!("{id}_{sides}")), |b| {
                 b.iter(|| dense(black_box(&matrix), &x, sides, &mut out));

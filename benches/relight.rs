@@ -1,4 +1,5 @@
-//! Frames of the wavelet back end on the built-in scene with about 5,000 vertices, 64² × 6 texels, all threads: time a vertex.
+//! Frames of the wavelet back end on the built-in scene with about 5,000 vertices, 64² × 6 texels, all threads: time a
+//! vertex.
 
 use std::hint::black_box;
 

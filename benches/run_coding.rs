@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use haarmonic::compress::{BinaryMaps, Scan, ScanOrder, suffix_sums};
+use haarmonic::compress::{CodedBinaryMaps, Scan, ScanOrder, suffix_sums};
 
 const MAPS: usize = 20_000;
 
@@ -40,7 +40,7 @@ fn coding(c: &mut Criterion) {
     group.sample_size(20).throughput(Throughput::Elements(MAPS as u64));
     let blocks = blocks();
     let coded = |blocks: &[[u64; 4]]| {
-        let mut maps = BinaryMaps::<u8>::new(256).unwrap();
+        let mut maps = CodedBinaryMaps::<u8>::new(256).unwrap();
         blocks.iter().for_each(|block| maps.push_bits(block));
         maps
     };
@@ -58,7 +58,7 @@ fn coding(c: &mut Criterion) {
     });
     let bytes = maps.to_bytes();
     group.bench_function("to_bytes", |b| b.iter(|| black_box(&maps).to_bytes()));
-    group.bench_function("from_bytes", |b| b.iter(|| BinaryMaps::<u8>::from_bytes(black_box(&bytes)).unwrap()));
+    group.bench_function("from_bytes", |b| b.iter(|| CodedBinaryMaps::<u8>::from_bytes(black_box(&bytes)).unwrap()));
 
     let light = noise(256);
     let rgb: Vec<[f32; 3]> = light.iter().map(|&l| [l, 0.5 * l, 0.25 * l]).collect();

@@ -1,7 +1,7 @@
-//! Would a fast Fourier transform in azimuth pay in the product of many bands? A pair of circles ±z of the quadrature: the product of two
-//! trigonometric polynomials of degree n − 1, orders below n kept, by direct sums (eight pairs side by side, as the library does it) and by
-//! rustfft (both factors of a circle in one transform, both circles' products in one transform back); and the whole product over its
-//! pairs, for scale.
+//! Would a fast Fourier transform in azimuth pay in the product of many bands? A pair of circles ±z of the quadrature:
+//! the product of two trigonometric polynomials of degree n − 1, orders below n kept, by direct sums (eight pairs side
+//! by side, as the library does it) and by rustfft (both factors of a circle in one transform, both circles' products
+//! in one transform back); and the whole product over its pairs, for scale.
 //!
 //! Run with: cargo bench -p haarmonic-benches --bench sh_azimuth. Nanoseconds a pair of circles.
 

@@ -1,4 +1,5 @@
-//! Evaluation of the basis, a point at a time and in batches; sums over it; the naive twin.
+//! Evaluation of the basis in f64, a point at a time and in batches; sums over it; the naive twin. Evaluation in f32 is
+//! a job of the bench `sh`.
 
 use std::hint::black_box;
 use std::time::Duration;
@@ -27,18 +28,21 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
         let coefficients: Vec<T> = (0..n).map(|i| T::of((i as f64).sin())).collect();
         let mut sums = [0; 3].map(|_| vec![T::zero(); n]);
         group.throughput(Throughput::Elements(points as u64));
-        group.bench_function(BenchmarkId::new("rows", bands), |b| {
-            b.iter(|| basis.eval_rows(black_box(&x), &y, &z, black_box(&mut out)));
-        });
-        group.bench_function(BenchmarkId::new("points", bands), |b| {
-            b.iter(|| basis.eval_points(black_box(&x), &y, &z, black_box(&mut out)));
-        });
         group.bench_function(BenchmarkId::new("reconstruct", bands), |b| {
             b.iter(|| basis.reconstruct(&coefficients, black_box(&x), &y, &z, black_box(&mut out[..points])));
         });
         group.bench_function(BenchmarkId::new("accumulate RGB", bands), |b| {
             let [red, green, blue] = &mut sums;
             b.iter(|| basis.accumulate(black_box(&x), &y, &z, [&z, &x, &y], [red, green, blue]));
+        });
+        if size_of::<T>() == size_of::<f32>() {
+            continue;
+        }
+        group.bench_function(BenchmarkId::new("rows", bands), |b| {
+            b.iter(|| basis.eval_batch(black_box(&x), &y, &z, black_box(&mut out)));
+        });
+        group.bench_function(BenchmarkId::new("points", bands), |b| {
+            b.iter(|| basis.eval_points(black_box(&x), &y, &z, black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("one at a time", bands), |b| {
             b.iter(|| {
@@ -47,21 +51,6 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
                 }
             });
         });
-    }
-    group.finish();
-}
-
-/// 100 000 points: bound by what memory takes.
-fn large(c: &mut Criterion) {
-    let mut group = c.benchmark_group("basis f32, 100 000 points");
-    let points = 100_000;
-    let [x, y, z] = soa::<f32>(&fibonacci_directions(points));
-    group.throughput(Throughput::Elements(points as u64));
-    for bands in [3, 4, 6, 10] {
-        let basis = Basis::<f32>::new(bands).expect("a size in range");
-        let mut out = vec![0.0; bands * bands * points];
-        group.bench_function(BenchmarkId::new("rows", bands), |b| b.iter(|| basis.eval_rows(&x, &y, &z, &mut out)));
-        group.bench_function(BenchmarkId::new("points", bands), |b| b.iter(|| basis.eval_points(&x, &y, &z, &mut out)));
     }
     group.finish();
 }
@@ -76,7 +65,6 @@ fn twin(c: &mut Criterion) {
 fn basis(c: &mut Criterion) {
     batches::<f32>(c, "f32");
     batches::<f64>(c, "f64");
-    large(c);
     twin(c);
 }
 

@@ -1,4 +1,5 @@
-//! Exponentials and logarithms of spherical harmonic expansions, every method, one vector and batches, beside the naive twin.
+//! Exponentials and logarithms of spherical harmonic expansions, every method, one vector and batches, beside the naive
+//! twin.
 
 use std::hint::black_box;
 
@@ -57,7 +58,7 @@ fn exponentials(c: &mut Criterion) {
             let plan = plan(bands, method, norm);
             let mut scratch = vec![0.0; plan.scratch_len()];
             group.bench_function(BenchmarkId::new(name, bands), |b| {
-                b.iter(|| plan.batch(COUNT, black_box(&rows), &mut out, &mut scratch));
+                b.iter(|| plan.apply_batch(COUNT, black_box(&rows), &mut out, &mut scratch));
             });
         }
     }
@@ -68,7 +69,7 @@ fn logarithms(c: &mut Criterion) {
     let mut group = c.benchmark_group("sh_log");
     for bands in [3, 4, 6] {
         let log = Logarithm::new(bands, LogMethod::default()).unwrap();
-        let table = CapLog::<f32>::new(bands, CapFit::default()).unwrap();
+        let table = CapLog::new(bands, CapFit::default()).unwrap();
         let (mut g, mut zonal) = (vec![0.0f64; bands * bands], vec![0.0f32; bands]);
         g[0] = 2.5;
         g[2] = -0.5;

@@ -78,7 +78,7 @@ fn irradiance(c: &mut Criterion) {
     group.bench_function("rgb", |b| {
         b.iter(|| {
             let [r, g, b] = &mut out;
-            form.batch([&x, &y, &z], [r, g, b]);
+            form.eval_batch([&x, &y, &z], [r, g, b]);
             black_box(&mut out);
         });
     });

@@ -1,5 +1,5 @@
-//! Projection of maps onto spherical harmonics and back: the plans against fused accumulation over all directions, the textbook loop
-//! (evaluate, store, multiply) and the naive twin; minima, deringing and fits.
+//! Projection of maps onto spherical harmonics and back: the plans against fused accumulation over all directions, the
+//! textbook loop (evaluate, store, multiply) and the naive twin; minima, deringing and fits.
 //!
 //! Run with RAYON_NUM_THREADS=1 for one core.
 
@@ -26,7 +26,8 @@ fn soa(grid: CubeGrid) -> [Vec<f32>; 4] {
     [axis(0), axis(1), axis(2), solid]
 }
 
-/// Evaluates a direction into a buffer, then multiplies each colour in, as programs do that have a function for one direction.
+/// Evaluates a direction into a buffer, then multiplies each colour in, as programs do that have a function for one
+/// direction.
 fn textbook(basis: &Basis<f32>, [x, y, z, omega]: &[Vec<f32>; 4], texels: &[Rgb], out: &mut [[f32; 3]]) {
     let mut values = vec![0.0; out.len()];
     out.fill([0.0; 3]);

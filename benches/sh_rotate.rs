@@ -1,16 +1,16 @@
-//! Rotation of expansions: one rotation for many vectors, a rotation a vector, about z; single calls; building a plan.
+//! Rotation of expansions in f64: one rotation for many vectors, a rotation a vector, about z; single calls; building a
+//! plan. Rotations in f32 are jobs of the bench `sh`.
 
 use std::hint::black_box;
 use std::time::Duration;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use haarmonic::Real;
 use haarmonic::nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use haarmonic::reference::sh as naive;
 use haarmonic::sh::{Rotation, Rotator, rotate_z, rotate_z_batch};
 
 /// Turns the vector of this number.
-type Turn<'a, T> = dyn Fn(usize, &[T], &mut [T]) + 'a;
+type Turn<'a> = dyn Fn(usize, &[f64], &mut [f64]) + 'a;
 
 /// Vectors of a batch: in the second cache at every size.
 const COUNT: usize = 512;
@@ -23,44 +23,43 @@ fn turn(i: usize) -> Rotation3<f64> {
     Rotation3::new(Vector3::new((1.3 * x).sin(), (0.7 * x + 1.0).cos(), (2.1 * x).sin()) * 2.0)
 }
 
-fn values<T: Real>(len: usize) -> Vec<T> {
-    (0..len).map(|i| T::of((0.1 + 1.7 * i as f64).sin())).collect()
+fn values(len: usize) -> Vec<f64> {
+    (0..len).map(|i| (0.1 + 1.7 * i as f64).sin()).collect()
 }
 
 /// Structure of arrays of the first COUNT rotations: quaternions and matrices.
-fn poses<T: Real>() -> ([Vec<T>; 4], [Vec<T>; 9]) {
+fn poses() -> ([Vec<f64>; 4], [Vec<f64>; 9]) {
     let turns: Vec<_> = (0..COUNT).map(turn).collect();
-    let quaternion =
-        |k: usize| turns.iter().map(|r| T::of(UnitQuaternion::from_rotation_matrix(r).coords[k])).collect();
-    let matrix = |k: usize| turns.iter().map(|r| T::of(r[(k / 3, k % 3)])).collect();
+    let quaternion = |k: usize| turns.iter().map(|r| UnitQuaternion::from_rotation_matrix(r).coords[k]).collect();
+    let matrix = |k: usize| turns.iter().map(|r| r[(k / 3, k % 3)]).collect();
     (std::array::from_fn(quaternion), std::array::from_fn(matrix))
 }
 
-fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
-    let (quaternions, matrices) = poses::<T>();
+fn batches(c: &mut Criterion) {
+    let (quaternions, matrices) = poses();
     let [q, r] = [quaternions.each_ref().map(|c| &c[..]).to_vec(), matrices.each_ref().map(|c| &c[..]).to_vec()];
-    let (q, r): ([&[T]; 4], [&[T]; 9]) = (q.try_into().expect("four"), r.try_into().expect("nine"));
-    let (cos, sin): (Vec<T>, Vec<T>) = (0..COUNT).map(|i| (T::of((i as f64).cos()), T::of((i as f64).sin()))).unzip();
-    let mut group = c.benchmark_group(format!("rotate {scalar}, {COUNT} vectors"));
+    let (q, r): ([&[f64]; 4], [&[f64]; 9]) = (q.try_into().expect("four"), r.try_into().expect("nine"));
+    let (cos, sin): (Vec<f64>, Vec<f64>) = (0..COUNT).map(|i| ((i as f64).cos(), (i as f64).sin())).unzip();
+    let mut group = c.benchmark_group(format!("rotate f64, {COUNT} vectors"));
     group.throughput(Throughput::Elements(COUNT as u64));
     for bands in BANDS {
-        let f = values::<T>(bands * bands * COUNT);
+        let f = values(bands * bands * COUNT);
         let mut out = f.clone();
-        let one = Rotation::<T>::new(bands, &turn(3)).expect("a size in range");
-        let many = Rotator::<T>::new(bands).expect("a size in range");
+        let one = Rotation::<f64>::new(bands, &turn(3)).expect("a size in range");
+        let many = Rotator::<f64>::new(bands).expect("a size in range");
         group.bench_function(BenchmarkId::new("one rotation", bands), |b| {
-            b.iter(|| one.batch(COUNT, black_box(&f), black_box(&mut out)));
+            b.iter(|| one.apply_batch(COUNT, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("a quaternion each", bands), |b| {
-            b.iter(|| many.batch(COUNT, q, black_box(&f), black_box(&mut out)));
+            b.iter(|| many.apply_quaternion_batch(COUNT, q, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new("a matrix each", bands), |b| {
-            b.iter(|| many.batch_matrices(COUNT, r, black_box(&f), black_box(&mut out)));
+            b.iter(|| many.apply_batch(COUNT, r, black_box(&f), black_box(&mut out)));
         });
         group.bench_function(BenchmarkId::new(format!("one rotation, {SMALL} at a time"), bands), |b| {
             let size = SMALL * bands * bands;
             let (f, out) = (&f[..size], &mut out[..size]);
-            b.iter(|| (0..COUNT / SMALL).for_each(|_| one.batch(SMALL, black_box(f), black_box(out))));
+            b.iter(|| (0..COUNT / SMALL).for_each(|_| one.apply_batch(SMALL, black_box(f), black_box(out))));
         });
         let mut turned = f.clone();
         group.bench_function(BenchmarkId::new("about z", bands), |b| {
@@ -70,18 +69,18 @@ fn batches<T: Real>(c: &mut Criterion, scalar: &str) {
     group.finish();
 }
 
-fn singles<T: Real + haarmonic::nalgebra::RealField>(c: &mut Criterion, scalar: &str) {
-    let turns: Vec<_> = (0..64).map(|i| Rotation3::from_matrix_unchecked(turn(i).matrix().map(T::of))).collect();
+fn singles(c: &mut Criterion) {
+    let turns: Vec<_> = (0..64).map(turn).collect();
     let quaternions: Vec<_> = turns.iter().map(UnitQuaternion::from_rotation_matrix).collect();
-    let mut group = c.benchmark_group(format!("rotate {scalar}, 64 single calls"));
+    let mut group = c.benchmark_group("rotate f64, 64 single calls");
     group.throughput(Throughput::Elements(64));
     for bands in BANDS {
         let n = bands * bands;
-        let f = values::<T>(n * 64);
+        let f = values(n * 64);
         let mut out = f.clone();
-        let rotator = Rotator::<T>::new(bands).expect("a size in range");
-        let one = Rotation::<T>::new(bands, &turn(3)).expect("a size in range");
-        let mut run = |name: &str, rotate: &Turn<'_, T>| {
+        let rotator = Rotator::<f64>::new(bands).expect("a size in range");
+        let one = Rotation::<f64>::new(bands, &turn(3)).expect("a size in range");
+        let mut run = |name: &str, rotate: &Turn<'_>| {
             group.bench_function(BenchmarkId::new(name, bands), |b| {
                 b.iter(|| {
                     for (i, (f, out)) in f.chunks_exact(n).zip(out.chunks_exact_mut(n)).enumerate() {
@@ -95,7 +94,7 @@ fn singles<T: Real + haarmonic::nalgebra::RealField>(c: &mut Criterion, scalar: 
         run("one rotation", &|_, f, out| one.apply(f, out));
         run("about z", &|i, f, out| {
             out.copy_from_slice(f);
-            rotate_z(<T as Real>::of(0.1 * i as f64), out);
+            rotate_z(0.1 * i as f64, out);
         });
     }
     group.finish();
@@ -118,10 +117,8 @@ fn plans(c: &mut Criterion) {
 }
 
 fn rotate(c: &mut Criterion) {
-    batches::<f32>(c, "f32");
-    batches::<f64>(c, "f64");
-    singles::<f32>(c, "f32");
-    singles::<f64>(c, "f64");
+    batches(c);
+    singles(c);
     plans(c);
 }
 

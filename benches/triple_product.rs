@@ -1,7 +1,8 @@
 //! ∫ L B V over one square: routes × kept terms × side, the naive twin, and the engine against the better route.
 //!
-//! Light: a gradient sky with a sun and two boxes, the same for all; BRDFs and visibilities: 32 lobes and 32 silhouettes, taken
-//! in turn, as a renderer does from vertex to vertex. Times are per integral. `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
+//! Light: a gradient sky with a sun and two boxes, the same for all; BRDFs and visibilities: 32 lobes and 32
+//! silhouettes, taken in turn, as a renderer does from vertex to vertex. Times are per integral.
+//! `TRIPLE_PRODUCT_SWEEP=1` prints the engine's table.
 #![expect(clippy::print_stderr, reason = "the sweep is a table for people")]
 
 use std::hint::black_box;
@@ -11,7 +12,7 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use haarmonic::Real;
 use haarmonic::haar::{
     BitPyramid, Decomposition, Factor, MaskedSum, MeanTree, NFoldProduct, Quadtree, Route, SparseVector, TripleProduct,
-    Visibility, forward_2d, rows_to_morton, upper_means,
+    Visibility, forward_2d,
 };
 use haarmonic::reference::haar as naive;
 use haarmonic::reference::haar::{NgTree, NgTripleProduct};
@@ -29,6 +30,7 @@ struct Case<T> {
 }
 
 struct Vertex<T> {
+    sparse_brdf: SparseVector<T>,
     brdf: Factor<T>,
     brdf_tree: NgTree<T>,
     brdf_quadtree: Quadtree<T>,
@@ -112,6 +114,7 @@ fn vertex<T: Real>(side: usize, k: usize, seed: usize) -> Vertex<T> {
         brdf: Factor::new([&brdf]).expect("a square"),
         brdf_tree: NgTree::new(&brdf).expect("a square"),
         brdf_quadtree: Quadtree::new(&brdf).expect("a square"),
+        sparse_brdf: brdf,
         bits: BitPyramid::from_rows(side, &rows).expect("a square"),
         rows,
         pixels,
@@ -160,19 +163,15 @@ fn pieces(c: &mut Criterion) {
     run("dot of L·V formed with B", &mut |v| masked.dot_unmasked(light, v.brdf.morton_pixels()[0]));
     let mut words = vec![0; BitPyramid::words_len(side)];
     run("row-major bits to Morton", &mut |v| {
-        rows_to_morton(side, &v.rows, &mut words);
+        BitPyramid::morton_from_rows(side, &v.rows, &mut words);
         words[3] as f64
     });
     let mut upper = vec![[0.0; 4]; BitPyramid::upper_len(side)];
     run("means of 8x8 blocks and above", &mut |v| {
-        upper_means(side, v.bits.words(), &mut upper);
+        BitPyramid::upper_from_words(side, v.bits.words(), &mut upper);
         upper[0][3].into()
     });
-    let mut means = MeanTree::<f32>::zeros(side).expect("a power of two");
-    run("decode a sparse BRDF", &mut |v| {
-        means.fill(v.brdf.nodes());
-        means.mean(0, 0).into()
-    });
+    run("factor of a sparse BRDF", &mut |v| Factor::new([&v.sparse_brdf]).expect("a square").means().mean(0, 0).into());
     let pixels: Vec<f64> = image(side, |x, y| sky(x, y, 1.0));
     run("naive twin", &mut |v| naive::product_integral(&[&pixels, &pixels, &v.pixels]));
 }
@@ -180,7 +179,8 @@ fn pieces(c: &mut Criterion) {
 /// One way to compute a vertex's integral.
 type Rival<'a, T> = &'a mut dyn FnMut(&Vertex<T>) -> f64;
 
-/// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows them all alike.
+/// Nanoseconds an integral of each of some rivals: the lower quartile of interleaved runs, so that a busy machine slows
+/// them all alike.
 fn race<T>(case: &Case<T>, rivals: &mut [Rival<'_, T>]) -> Vec<f64> {
     let mut runs = vec![Vec::new(); rivals.len()];
     for _ in 0..80 {

@@ -69,7 +69,8 @@ pub enum Error {
         /// What is wrong with it, and the forms that are allowed.
         reason: String,
     },
-    /// Bytes are not what they should be: cut short, followed by more, out of range or not as a writer would write them.
+    /// Bytes are not what they should be: cut short, followed by more, out of range or not as a writer would write
+    /// them.
     Damaged {
         /// What the bytes should hold.
         what: &'static str,

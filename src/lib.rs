@@ -88,15 +88,15 @@
 //!
 //! Vectors, rotations and complex numbers are [`nalgebra`]'s, re-exported; arrays are slices of plain numbers.
 //!
-//! - `serde`: conventions, choices, settings, grids, maps and sparse vectors are stored and loaded. What is loaded is checked
-//!   as the constructor checks it: a cube map with a texel too few is an error. The ranges of plain settings are checked where
-//!   they always are, by the plan that takes them. Transports have a file form of their own.
-//! - `bytemuck`: `bytemuck::cast_slice(map.texels())` is the floats, or the bytes, of a map for an upload to a GPU; complex
-//!   coefficients and slices of vectors likewise.
-//! - `mint`: nalgebra's types come from and go to mint's, and so to those of any version of glam, cgmath, euclid, …, none of
-//!   which is named here: `Vector3::from(mint::Vector3::from(glam_vector))`; back by `let v: mint::Vector3<f64> = vector.into()`
-//!   and `glam::DVec3::from(v)`.
-//!   glam wants its feature `mint-05` (`mint` before 0.34), and mint itself is a dependency of yours.
+//! - `serde`: conventions, choices, settings, grids, maps and sparse vectors are stored and loaded. What is loaded is
+//!   checked as the constructor checks it: a cube map with a texel too few is an error. The ranges of plain settings
+//!   are checked where they always are, by the plan that takes them. Transports have a file form of their own.
+//! - `bytemuck`: `bytemuck::cast_slice(map.texels())` is the floats, or the bytes, of a map for an upload to a GPU;
+//!   complex coefficients and slices of vectors likewise.
+//! - `mint`: nalgebra's types come from and go to mint's, and so to those of any version of glam, cgmath, euclid, …,
+//!   none of which is named here: `Vector3::from(mint::Vector3::from(glam_vector))`; back by `let v: mint::Vector3<f64>
+//!   = vector.into()` and `glam::DVec3::from(v)`. glam wants its feature `mint-05` (`mint` before 0.34), and mint
+//!   itself is a dependency of yours.
 #![cfg_attr(
     feature = "bytemuck",
     doc = "
@@ -128,7 +128,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! | a light in blocks, smooth reflectance | their product, cheaply | [`dct::BlockDct`], [`dct::LowProjection`] |
 //! | an image, many rectangles | the integral over each | [`table::SummedArea`] |
 //! | a visibility map, many squares | the share of each that is seen | [`table::VisibilityDistance`] |
-//! | visibility maps, ever new lights | dot products without decoding | [`compress::BinaryMaps`] |
+//! | visibility maps, ever new lights | dot products without decoding | [`compress::CodedBinaryMaps`] |
 //! | a sparse matrix of few values | a cheaper way to multiply by it | [`compress::Biclustering`] |
 //! | rows that are alike | a few weights a row | [`compress::Pca`], [`compress::ClusteredPca`] |
 //!
@@ -171,9 +171,24 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! # Errors and panics
 //!
 //! Constructors and readers return [`Result`]; what runs in a loop panics on a slice of the wrong length, at the
-//! caller's line, and says so under *Panics*. The library never prints, logs or exits.
+//! caller's line, and says so under *Panics*. What can fail for the numbers in a slice, such as the logarithm of a
+//! function that is nowhere positive, returns [`Result`] wherever it is. The library never prints, logs or exits.
+//!
+//! # Plans, batches, scratch
+//!
+//! A *plan* is made once and applied many times, such as [`haar::Transform2d`] or [`sh::Rotation`]. Its type names the
+//! scalar (`f32` or `f64`) if it stores numbers of it; otherwise its methods do. Functions without a plan, such as
+//! [`haar::forward_2d`], make one for a single use.
+//!
+//! - A name that ends in `_batch` does for many what the name without does for one, with the same bits. Where `count`
+//!   is an argument, number k of item v is at k · `count` + v; where it is none, items follow one another.
+//! - A name that ends in `_parallel` does the same on all threads.
+//! - *Scratch* is memory that a call overwrites, always the last argument. It is a slice of `scratch_len()` numbers, or
+//!   a type of its own that the plan's `scratch()` or `default()` makes; one for each thread. Calls do not allocate
+//!   unless their page says so.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+mod approx_eq;
 mod error;
 mod parallel;
 mod progress;

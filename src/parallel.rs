@@ -1,5 +1,6 @@
-//! Loops over pieces that do not depend on each other, on all threads (feature `rayon`) or one after the other: the only place that
-//! knows which. Nothing here adds up what pieces give, so results are the same bits for any number of threads, and without them.
+//! Loops over pieces that do not depend on each other, on all threads (feature `rayon`) or one after the other: the
+//! only place that knows which. Nothing here adds up what pieces give, so results are the same bits for any number of
+//! threads, and without them.
 //!
 //! | you have | use |
 //! |---|---|
@@ -37,7 +38,8 @@ pub(crate) fn map<R: Send>(count: usize, f: impl Fn(usize) -> R + Sync) -> Vec<R
     return (0..count).map(f).collect();
 }
 
-/// As [`map`] of what can fail, with scratch that each thread makes for itself. One of the errors, if there are several.
+/// As [`map`] of what can fail, with scratch that each thread makes for itself. One of the errors, if there are
+/// several.
 pub(crate) fn try_map<R: Send, S>(
     count: usize,
     scratch: impl Fn() -> S + Sync,
@@ -90,8 +92,8 @@ pub(crate) fn try_chunks<T: Send, S>(
     }
 }
 
-/// Cuts `out` into as many chunks as there is scratch, at most, each a multiple of `multiple` long (but the last), and calls
-/// `f(first, chunk, scratch)` for each, `first` the number of its first element. Nothing is allocated.
+/// Cuts `out` into as many chunks as there is scratch, at most, each a multiple of `multiple` long (but the last), and
+/// calls `f(first, chunk, scratch)` for each, `first` the number of its first element. Nothing is allocated.
 #[allow(dead_code, reason = "for those back ends that ask for it")]
 pub(crate) fn with_scratch<T: Send, S: Send>(
     out: &mut [T],

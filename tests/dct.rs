@@ -8,31 +8,9 @@ use haarmonic::numeric::CompensatedSum;
 use haarmonic::reference::dct as twin;
 use haarmonic::{Error, Real, dct, strategies};
 use proptest::prelude::*;
-use support::{assert_close, golden};
+use support::{HAAR_AFFINE, assert_close, cases, golden, narrow, norm, numbers, random, wide};
 
 const SIDES: [usize; 5] = [4, 8, 16, 32, 64];
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    match value.as_array() {
-        Some(items) => items.iter().flat_map(numbers).collect(),
-        None => vec![value.as_f64().unwrap()],
-    }
-}
-
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
-}
-
-fn widen<T: Real>(x: &[T]) -> Vec<f64> {
-    x.iter().map(|x| x.widen()).collect()
-}
-
-/// √Σx², without overflow.
-fn norm(x: &[f64]) -> f64 {
-    let most = x.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    let squares: CompensatedSum = x.iter().map(|x| (x / most).powi(2)).collect();
-    if most == 0.0 { 0.0 } else { most * squares.total().sqrt() }
-}
 
 /// max |got − want| ≤ k·ε(T)·scale, with a floor for subnormal numbers; NaN fails.
 #[track_caller]
@@ -45,22 +23,11 @@ fn assert_within<T: Real>(got: &[T], want: &[f64], k: f64, scale: f64) {
     }
 }
 
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-/// Pixels without a pattern.
-fn noise(len: usize) -> Vec<f64> {
-    (0..len).map(|i| ((i * i * 31 + 7 * i) % 1009) as f64 / 504.5 - 1.0).collect()
-}
-
 /// A coefficient is a sum of n² products with a vector of norm one: some ε of the block's norm (measured: up to 1.9).
 const ULPS: f64 = 4.0;
 
 fn check_golden<T: Real>() {
-    let file = golden("dct16");
+    let file = golden(HAAR_AFFINE, "dct16");
     let (block, coefs) = (numbers(&file["block_yx"]), numbers(&file["coef_vu"]));
     let (scale, plan) = (norm(&block), BlockDct::<T>::new(16).unwrap());
     let mut out = vec![T::nan(); 256];
@@ -84,7 +51,7 @@ fn check_golden<T: Real>() {
 
 #[test]
 fn golden_values_are_reproduced() {
-    let file = golden("dct16");
+    let file = golden(HAAR_AFFINE, "dct16");
     let (block, coefs) = (numbers(&file["block_yx"]), numbers(&file["coef_vu"]));
     for (got, want) in twin::forward(16, &block).iter().zip(&coefs) {
         assert_close(*got, *want, 1e-11, "twin");
@@ -100,16 +67,16 @@ fn golden_values_are_reproduced() {
 }
 
 fn against_twin<T: Real>(side: usize, low: usize, samples: &[T]) {
-    let (plan, wide) = (BlockDct::<T>::new(side).unwrap(), widen(samples));
-    let scale = norm(&wide);
+    let (plan, source) = (BlockDct::<T>::new(side).unwrap(), wide(samples));
+    let scale = norm(&source);
     let mut coefs = vec![T::nan(); low * low];
     plan.forward_low(low, samples, &mut coefs);
-    assert_within(&coefs, &twin::forward(low, &wide), ULPS, scale);
+    assert_within(&coefs, &twin::forward(low, &source), ULPS, scale);
     let mut back = vec![T::nan(); side * side];
     plan.inverse_low(low, &coefs, &mut back);
-    assert_within(&back, &twin::inverse(side, &widen(&coefs)), ULPS, scale);
+    assert_within(&back, &twin::inverse(side, &wide(&coefs)), ULPS, scale);
     if low == side {
-        assert_within(&back, &wide, 2.0 * ULPS, scale);
+        assert_within(&back, &source, 2.0 * ULPS, scale);
     }
 }
 
@@ -122,7 +89,7 @@ fn block<T: Real>() -> impl Strategy<Value = (usize, usize, Vec<T>)> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn blocks_match_their_definition((n, l, x) in block::<f64>(), (m, k, y) in block::<f32>()) {
@@ -194,7 +161,8 @@ proptest! {
     }
 }
 
-/// Every basis function of the larger sides, which the O(n⁴) twin cannot afford: one coefficient, one product of cosines.
+/// Every basis function of the larger sides, which the O(n⁴) twin cannot afford: one coefficient, one product of
+/// cosines.
 #[test]
 fn one_hot_coefficients_are_basis_functions() {
     for side in SIDES {
@@ -217,8 +185,8 @@ fn one_hot_coefficients_are_basis_functions() {
 /// The first coefficients alone are the first of all, and their inverse is that of the others being 0; f32 as f64.
 fn low_is_part_of_all<T: Real>(side: usize) {
     let plan = BlockDct::<T>::new(side).unwrap();
-    let block = narrow::<T>(&noise(side * side));
-    let scale = norm(&widen(&block));
+    let block = narrow::<T>(&random(side * side, 1));
+    let scale = norm(&wide(&block));
     let mut all = vec![T::nan(); side * side];
     plan.forward(&block, &mut all);
     for low in [1, 2, 3, 4, 5, 7, 8, 12, 16, 21, side - 1, side].into_iter().filter(|&low| low <= side) {
@@ -232,7 +200,7 @@ fn low_is_part_of_all<T: Real>(side: usize) {
         let (mut from_all, mut from_few) = (vec![T::nan(); side * side], vec![T::nan(); side * side]);
         plan.inverse(&kept, &mut from_all);
         plan.inverse_low(low, &few, &mut from_few);
-        assert_within(&from_few, &widen(&from_all), ULPS, scale);
+        assert_within(&from_few, &wide(&from_all), ULPS, scale);
     }
 }
 
@@ -248,7 +216,7 @@ fn low_frequencies_are_part_of_all() {
 fn layouts_agree<T: Real>(side: usize, across: usize, down: usize, gap: usize, low: usize) {
     let (width, stride) = (across * side, across * side + gap);
     let count = across * down;
-    let image = narrow::<T>(&noise(down * side * stride));
+    let image = narrow::<T>(&random(down * side * stride, 1));
     let mut blocks = vec![T::zero(); count * side * side];
     for (i, pixel) in blocks.iter_mut().enumerate() {
         let (b, y, x) = (i / (side * side), i / side % side, i % side);
@@ -271,7 +239,7 @@ fn layouts_agree<T: Real>(side: usize, across: usize, down: usize, gap: usize, l
     assert!([batch, parallel, tiled, tiled_parallel].iter().all(|got| *got == want));
 
     let mut want = vec![T::nan(); blocks.len()];
-    let coefs = narrow::<T>(&noise(count * each));
+    let coefs = narrow::<T>(&random(count * each, 1));
     for (block, coefs) in want.chunks_mut(side * side).zip(coefs.chunks(each)) {
         plan.inverse_low(low, coefs, block);
     }
@@ -311,7 +279,7 @@ fn nothing_is_a_batch_and_bad_numbers_stay_in_their_block() {
     LowProjection::<f32>::centres(16, 4).unwrap().project(&[], &mut []);
     assert_eq!(product_integral::<f32>(&[], &[1.0]), 0.0);
     for bad in [f32::NAN, f32::INFINITY] {
-        let mut blocks = narrow::<f32>(&noise(3 * 256));
+        let mut blocks = narrow::<f32>(&random(3 * 256, 1));
         blocks[256 + 77] = bad;
         let mut coefs = vec![0.0; 3 * 256];
         plan.forward(&blocks, &mut coefs);
@@ -333,7 +301,7 @@ fn condition_numbers_are_as_documented() {
             let centres = LowProjection::<f64>::centres(side, low).unwrap();
             let solved = LowProjection::<f64>::at(side, centres.positions()).unwrap();
             assert_close(solved.condition(), 1.0, 1e-14, "centres");
-            let samples = noise(low * low);
+            let samples = random(low * low, 1);
             let [mut a, mut b] = [vec![0.0; low * low], vec![0.0; low * low]];
             centres.project(&samples, &mut a);
             solved.project(&samples, &mut b);

@@ -1,7 +1,8 @@
 //! The same bits for any number of threads, and without threads.
 //!
-//! The hashes of what a small scene gives are compared between pools of 1, 2 and 5 threads; the build without feature `rayon`
-//! runs the same code once and compares with the hashes that a build with threads wrote next to its test binary, if there is one.
+//! The hashes of what a small scene gives are compared between pools of 1, 2 and 5 threads; the build without feature
+//! `rayon` runs the same code once and compares with the hashes that a build with threads wrote next to its test
+//! binary, if there is one.
 #![cfg(feature = "backends")]
 
 use std::hash::{DefaultHasher, Hash, Hasher};

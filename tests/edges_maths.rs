@@ -1,5 +1,5 @@
-//! What the mathematics makes of sizes and numbers at the ends of their range: one table of constructors, one of values, one of
-//! calls that are documented to panic.
+//! What the mathematics makes of sizes and numbers at the ends of their range: one table of constructors, one of
+//! values, one of calls that are documented to panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -11,8 +11,9 @@ use haarmonic::affine::{
     tripling_1d,
 };
 use haarmonic::compress::{
-    BiclusterSettings, Biclustering, BinaryMaps, ByteBlocks, ClusteredPca, ClusteredPcaSettings, Distortion, GrayMaps,
-    Pca, PcaSettings, QuantisedBytes, QuantisedHalf, Scan, ScanOrder, SparseMatrix, half_to_real, real_to_half,
+    BiclusterSettings, Biclustering, ByteBlocks, ClusteredPca, ClusteredPcaSettings, CodedBinaryMaps, CodedGrayMaps,
+    Distortion, Pca, PcaSettings, QuantisedBytes, QuantisedHalf, Scan, ScanOrder, SparseMatrix, half_to_real,
+    real_to_half,
 };
 use haarmonic::dct::{BlockDct, LowProjection};
 use haarmonic::haar::{
@@ -31,7 +32,7 @@ use haarmonic::sphere::{
     fibonacci_directions,
 };
 use haarmonic::table::{
-    Coverage, DiskGrid, Frame, Outside, Rectangle, SummedArea, SummedAreaPlan, SummedAreaStack, VisibilityDistance,
+    Border, Coverage, DiskGrid, Outside, Rectangle, SummedArea, SummedAreaPlan, SummedAreaStack, VisibilityDistance,
     VisibilityDistancePlan, half_plane_coverage, linear_coverage, mean_coverage, smoothstep_coverage,
 };
 use haarmonic::{Error, Result};
@@ -270,11 +271,11 @@ fn table_and_dct_constructors() {
         SummedAreaStack::<f32>::new([HUGE, HUGE], 0, &[] as &[f32]) => Range,
         SummedAreaStack::<f32>::new([0, 0], HUGE, &[] as &[f32]) => Range,
         SummedAreaStack::<f32>::new([1 << 20, 1 << 20], 1, &[1.0f32]) => Length,
-        VisibilityDistancePlan::new(HUGE, HUGE, Frame::Open) => Range,
-        VisibilityDistancePlan::new(HUGE, 0, Frame::Zero) => Range,
-        VisibilityDistancePlan::new(16_384, 16_384, Frame::Zero) => Range,
-        VisibilityDistance::new([0, 1], &[] as &[bool], Frame::Open) => Empty,
-        VisibilityDistance::new([16_383, 16_383], &[true][..], Frame::Open) => Length,
+        VisibilityDistancePlan::new(HUGE, HUGE, Border::Open) => Range,
+        VisibilityDistancePlan::new(HUGE, 0, Border::Zero) => Range,
+        VisibilityDistancePlan::new(16_384, 16_384, Border::Zero) => Range,
+        VisibilityDistance::new([0, 1], &[] as &[bool], Border::Open) => Empty,
+        VisibilityDistance::new([16_383, 16_383], &[true][..], Border::Open) => Length,
         DiskGrid::new(0) => Empty,
         DiskGrid::new(HUGE) => Range,
         BlockDct::<f32>::new(0) => Power,
@@ -365,13 +366,13 @@ fn compress_constructors() {
         Biclustering::new(&matrix, &BiclusterSettings::default().with_group_rows(0), &()) => Range,
         Biclustering::new(&matrix, &BiclusterSettings::default().with_group_rows(HUGE), &()) => Fine,
         Biclustering::with_groups(&matrix, &[u32::MAX, 0], &BiclusterSettings::default(), &()) => Fine,
-        BinaryMaps::<u8>::new(0) => Range,
-        BinaryMaps::<u8>::new(257) => Range,
-        BinaryMaps::<u32>::new(HUGE) => Range,
-        BinaryMaps::<u32>::new(1 << 32) => Fine,
-        GrayMaps::<u16>::new(16, 0) => Range,
-        GrayMaps::<u16>::with_bits(16, 0) => Range,
-        GrayMaps::<u16>::with_bits(16, u32::MAX) => Range,
+        CodedBinaryMaps::<u8>::new(0) => Range,
+        CodedBinaryMaps::<u8>::new(257) => Range,
+        CodedBinaryMaps::<u32>::new(HUGE) => Range,
+        CodedBinaryMaps::<u32>::new(1 << 32) => Fine,
+        CodedGrayMaps::<u16>::new(16, 0) => Range,
+        CodedGrayMaps::<u16>::with_bits(16, 0) => Range,
+        CodedGrayMaps::<u16>::with_bits(16, u32::MAX) => Range,
         Scan::new(ScanOrder::Hilbert, HUGE, HUGE) => Range,
         Scan::new(ScanOrder::RowMajor, 0, HUGE) => Range,
         Scan::new(ScanOrder::Serpentine, 1 << 33, 1) => Range,
@@ -548,7 +549,7 @@ fn table_values() {
         table.as_ref().coverage([x, y], 2.0, form)
     };
     let slope = |x: f64, y: f64| {
-        let table = VisibilityDistance::new([8, 8], &[true; 64][..], Frame::Zero).unwrap();
+        let table = VisibilityDistance::new([8, 8], &[true; 64][..], Border::Zero).unwrap();
         table.as_ref().gradient([x, y])[0]
     };
     let diagonal = -std::f64::consts::FRAC_1_SQRT_2;
@@ -581,15 +582,15 @@ fn table_values() {
         linear_coverage(MAX, TINY) => Exactly(1.0),
         smoothstep_coverage(1e308, 1.7e308) => About(smoothstep_coverage(10.0, 17.0)),
         smoothstep_coverage(NAN, 1.0) => Nan,
-        edge_at(Coverage::Gradient, INF, 4.0, Frame::Zero) => Exactly(0.0),
-        edge_at(Coverage::Gradient, -INF, INF, Frame::Zero) => Exactly(0.0),
-        edge_at(Coverage::Gradient, INF, 4.0, Frame::Open) => Exactly(0.0),
-        edge_at(Coverage::Gradient, -INF, 4.0, Frame::Open) => Exactly(1.0),
-        edge_at(Coverage::Gradient, MAX, MAX, Frame::Zero) => Exactly(0.0),
-        edge_at(Coverage::Gradient, NAN, 4.0, Frame::Zero) => Nan,
-        edge_at(Coverage::Gradient, INF, NAN, Frame::Zero) => Nan,
-        edge_at(Coverage::Mean, INF, 4.0, Frame::Zero) => Exactly(0.0),
-        edge_at(Coverage::Linear, 1e300, 4.0, Frame::Zero) => Exactly(0.0),
+        edge_at(Coverage::Gradient, INF, 4.0, Border::Zero) => Exactly(0.0),
+        edge_at(Coverage::Gradient, -INF, INF, Border::Zero) => Exactly(0.0),
+        edge_at(Coverage::Gradient, INF, 4.0, Border::Open) => Exactly(0.0),
+        edge_at(Coverage::Gradient, -INF, 4.0, Border::Open) => Exactly(1.0),
+        edge_at(Coverage::Gradient, MAX, MAX, Border::Zero) => Exactly(0.0),
+        edge_at(Coverage::Gradient, NAN, 4.0, Border::Zero) => Nan,
+        edge_at(Coverage::Gradient, INF, NAN, Border::Zero) => Nan,
+        edge_at(Coverage::Mean, INF, 4.0, Border::Zero) => Exactly(0.0),
+        edge_at(Coverage::Linear, 1e300, 4.0, Border::Zero) => Exactly(0.0),
         slope(INF, 4.0) => Exactly(-1.0),
         slope(INF, INF) => About(diagonal),
         slope(MAX, MAX) => About(diagonal),
@@ -743,9 +744,17 @@ fn calls_beyond_the_size_panic_and_say_so() {
         ("level of a target", Box::new(|| _ = coupling_gradient(Atom::from_flat(0), deep, ID)), "at most 63"),
         ("level of a factor", Box::new(|| _ = tripling(Atom::from_flat(0), deep, deep, ID)), "at most 63"),
         ("pixel", Box::new(|| _ = pixel_coupling(4, 4, 0, ID)), "of 4"),
-        ("sides", Box::new(|| matrix.multiply(&[1.0], HUGE, &mut [0.0])), "right-hand sides"),
-        ("sides of biclusters", Box::new(|| clusters.multiplier().multiply(&[1.0], 1 << 45, &mut [0.0])), "right-hand"),
-        ("sides of clusters", Box::new(|| coded.multiply(&[1.0], 1 << 45, &mut [0.0])), "right-hand sides"),
+        ("sides", Box::new(|| matrix.multiply_batch(HUGE, &[1.0], &mut [0.0])), "right-hand sides"),
+        (
+            "sides of biclusters",
+            Box::new(|| clusters.multiplier().multiply_batch(1 << 45, &[1.0], &mut [0.0], &mut [])),
+            "right-hand",
+        ),
+        (
+            "sides of clusters",
+            Box::new(|| coded.multiply_batch(1 << 45, &[1.0], &mut [0.0], &mut [])),
+            "right-hand sides",
+        ),
     ];
     for (name, call, says) in calls {
         let panic = catch_unwind(AssertUnwindSafe(call)).expect_err(name);

@@ -1,6 +1,8 @@
 //! Domains of direction against golden values, naive twins and the laws they must keep.
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
+mod support;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use approx::{AbsDiffEq, RelativeEq};
@@ -8,26 +10,9 @@ use haarmonic::nalgebra::{Rotation3, Unit, Vector2, Vector3};
 use haarmonic::sphere::*;
 use haarmonic::{Error, reference::sphere as naive, strategies};
 use proptest::prelude::*;
+use support::{HAAR_AFFINE, cases, golden, noise, number};
 
 const EPS: f64 = f64::EPSILON;
-
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
-
-fn golden(name: &str) -> serde_json::Value {
-    let path = format!("{}/tests/golden/haar_affine_tables/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
-}
-
-/// Numbers and the rationals "p/q" of the golden files.
-fn number(value: &serde_json::Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| {
-        let (p, q) = value.as_str().unwrap().split_once('/').unwrap();
-        p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-    })
-}
 
 fn cube(side: usize) -> CubeGrid {
     CubeGrid::new(side).unwrap()
@@ -50,13 +35,12 @@ fn turns() -> Vec<Rotation3<f64>> {
 
 /// Values that span eight decades without any smoothness: a hash of the index.
 fn rough(i: usize) -> f64 {
-    let hash = (i as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40;
-    (hash as f64 / (1u64 << 24) as f64 * 18.0 - 9.0).exp()
+    (noise(i) * 18.0 - 9.0).exp()
 }
 
 #[test]
 fn texel_solid_angles_are_the_golden_ones() {
-    let golden = golden("cubemap_solid_angle");
+    let golden = golden(HAAR_AFFINE, "cubemap_solid_angle");
     let mut seen = 0;
     let mut check = |side: usize, x: usize, y: usize, expected: f64| {
         let got = cube(side).solid_angle(x, y);
@@ -92,7 +76,7 @@ fn texel_solid_angles_are_the_integral_of_their_density() {
 
 #[test]
 fn the_hemisphere_disk_is_the_golden_one() {
-    let golden = golden("square_and_hemisphere");
+    let golden = golden(HAAR_AFFINE, "square_and_hemisphere");
     let rows = golden["hemi"].as_array().unwrap();
     assert_eq!(rows.len(), 20);
     let mut below = 0;
@@ -152,7 +136,8 @@ fn sphere_quadrature_is_exact_to_its_degree_and_no_further() {
         for exponents in (0..=degree).flat_map(powers) {
             assert!(error(exponents) < 1e-13, "degree {degree}, {exponents:?}: {}", error(exponents));
         }
-        // One degree more must show an error somewhere, or the rule is larger than it says (odd degrees integrate to 0).
+        // One degree more must show an error somewhere, or the rule is larger than it says (odd degrees integrate to
+        // 0).
         let beyond = powers(degree + 1 + (degree + 1) % 2).map(error).fold(0.0, f64::max);
         assert!(beyond > 1e-13, "degree {degree} is exact to a higher one");
     }
@@ -322,7 +307,8 @@ fn lat_long_look_up_is_continuous_across_the_seam_and_at_the_poles() {
 
 #[test]
 fn resampling_by_area_agrees_with_dense_sampling() {
-    // A hundred points each way leave an error of a few hundredths of the range where pixels are cut; ten times as many, a tenth.
+    // A hundred points each way leave an error of a few hundredths of the range where pixels are cut; ten times as
+    // many, a tenth.
     let source = LatLongMap::new(lat_long(7, 5), (0..35).map(|i| (rough(i).ln() + 9.0) / 18.0).collect()).unwrap();
     let boxed = CubeMap::new(cube(3), (0..54).map(|i| (rough(i).ln() + 9.0) / 18.0).collect()).unwrap();
     for turn in turns() {
@@ -519,7 +505,7 @@ fn approximate_equality_sees_values_and_grids() {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn faces_are_found_as_the_reference_finds_them(d in strategies::direction(), scale in 1e-3..1e3f64) {
@@ -572,8 +558,8 @@ proptest! {
         map in strategies::lat_long_map::<f64>(24, 12), boxed in strategies::cube_map::<f64>(6),
         side in 1..12usize, turn in strategies::rotation(),
     ) {
-        // Against ∫ |L|: signed maps may integrate to nearly nothing. A turn by 1e-5 rad, where edges nearly lie on grid lines,
-        // was seen to lose 1.03e-12; without a turn, or by a large one, it is 1.4e-14 at most.
+        // Against ∫ |L|: signed maps may integrate to nearly nothing. A turn by 1e-5 rad, where edges nearly lie on
+        // grid lines, was seen to lose 1.03e-12; without a turn, or by a large one, it is 1.4e-14 at most.
         let scale = map.map(f64::abs).integral();
         let boxed_scale = boxed.map(f64::abs).integral();
         for resampling in [Resampling::Area, Resampling::Smooth] {

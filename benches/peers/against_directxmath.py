@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Our single calls and batches against DirectXMath: both programs in turn, ROUNDS times, each pinned to one core.
 
-Run: python benches/peers/against_directxmath.py SH_GATES DIRECTXMATH, the executables of `cargo bench --bench sh_gates --no-run` and
+Run: python benches/peers/against_directxmath.py SH DIRECTXMATH, the executables of `cargo bench --bench sh --no-run` and
 of directxmath.cpp (README.md). Prints the median over the rounds of each one's least time, and of the ratio within a round.
 """
 

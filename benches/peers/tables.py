@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""The peers of `cargo bench --bench table_gates` that are not Rust: OpenCV's summed-area tables and exact distance transform.
+"""The peers of `cargo bench --bench table` that are not Rust: OpenCV's summed-area tables and exact distance transform.
 
 Prints ns a pixel, the least and the median of many rounds. Needs numpy and opencv-python-headless. The maps are made as the bench makes
-them. Tables are written to memory that is there already, as ours are. With TABLE_GATES (the bench's executable) as argument, runs that and
+them. Tables are written to memory that is there already, as ours are. With TABLE (the bench's executable) as argument, runs that and
 OpenCV's tables alternately, each pinned to one core, and prints the ratio of least times.
 
 numpy asks the kernel for huge pages, which the bench's memory does not get where they are for those that ask: set

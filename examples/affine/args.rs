@@ -4,8 +4,8 @@ use clap::Parser;
 
 use crate::support::args::{Common, Folder, parse};
 
-/// Affine wavelets in pictures and tables: the canonical coupling, how many couplings are not zero, what tables of them cost,
-/// how long a light takes to a place.
+/// Affine wavelets in pictures and tables: the canonical coupling, how many couplings are not zero, what tables of them
+/// cost, how long a light takes to a place.
 ///
 /// Without arguments: everything, pictures in out/affine.
 #[derive(Debug, Parser)]
@@ -19,7 +19,8 @@ pub struct Args {
     #[arg(long, value_name = "K", default_value_t = 50)]
     pub maps: usize,
 
-    /// Largest table of stored couplings to build, cells along s and along o; the sizes and times of larger ones are extrapolated
+    /// Largest table of stored couplings to build, cells along s and along o; the sizes and times of larger ones are
+    /// extrapolated
     #[arg(long, value_name = "R", default_value_t = 256)]
     pub cells: usize,
 

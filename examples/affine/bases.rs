@@ -15,9 +15,11 @@ const SIZES: [usize; 4] = [8, 16, 32, 64];
 /// Counts the non-zero coefficients of a basis of N functions at a map.
 type Count = fn(usize, AffineMap) -> haarmonic::Result<usize>;
 
-/// What is counted: one line a basis and map; triplings in any order of the two targets. Fourier frequencies are −N/2…N/2 − 1.
+/// What is counted: one line a basis and map; triplings in any order of the two targets. Fourier frequencies are
+/// −N/2…N/2 − 1.
 ///
-/// Pixels: Θ(N) both, a tripling only where both targets are one. Haar: Θ(N) couplings, Θ(N log N) triplings (thesis: at most N log² N).
+/// Pixels: Θ(N) both, a tripling only where both targets are one. Haar: Θ(N) couplings, Θ(N log N) triplings (thesis:
+/// at most N log² N).
 const BASES: [(&str, Count); 6] = [
     ("pixel, ACC", |n, map| Ok(pixel_coupling_nonzeros(n, map).count())),
     ("pixel, ATC", |n, map| Ok(pixel_tripling_nonzeros(n, map).count())),

@@ -206,8 +206,8 @@ fn multiply(n: usize, a: &[f32], b: &[f32], out: &mut [f32]) {
     }
 }
 
-/// The honest pixel route by a summed-area table: averages over the targets' cells as differences of four bilinear look-ups, then
-/// the Haar transform.
+/// The honest pixel route by a summed-area table: averages over the targets' cells as differences of four bilinear
+/// look-ups, then the Haar transform.
 pub struct Table {
     side: usize,
     /// One table a channel.
@@ -293,7 +293,8 @@ fn differences(n: usize, corners: &[f64], area: f64, pixels: &mut [f32]) {
 
 /// Nanoseconds a place of each contender: the best of rounds taken in turn, so that all of them see the same machine.
 ///
-/// A turn is one run over all places, more while they take less than [`TURN`]: the first finds the caches full of another's data.
+/// A turn is one run over all places, more while they take less than [`TURN`]: the first finds the caches full of
+/// another's data.
 pub fn best_of(contenders: usize, rounds: usize, mut run: impl FnMut(usize)) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; contenders];
     for _ in 0..rounds {

@@ -198,7 +198,8 @@ fn bound(n: usize) -> f64 {
     n as f64 * k + k * k
 }
 
-/// The most pairs of wavelets that can overlap: a and b intervals in a row make at most a + b − 1 pairs, summed over all levels.
+/// The most pairs of wavelets that can overlap: a and b intervals in a row make at most a + b − 1 pairs, summed over
+/// all levels.
 fn pairs(n: usize) -> f64 {
     let k = f64::from(n.ilog2());
     2.0 * k * (n as f64 - 1.0) - k * k

@@ -1,8 +1,8 @@
 //! Affine wavelets in pictures and tables.
 //!
-//! `cargo run --release --features io --example affine` draws the canonical coupling M(r, c) and the number of non-zero couplings
-//! against the size of the signal [Sun 2008, figs. 4.5 and 4.6], prints what tables of couplings cost and what they get wrong, and
-//! draws how long a light takes to a place against the terms kept. `--help` lists the options.
+//! `cargo run --release --features io --example affine` draws the canonical coupling M(r, c) and the number of non-zero
+//! couplings against the size of the signal [Sun 2008, figs. 4.5 and 4.6], prints what tables of couplings cost and
+//! what they get wrong, and draws how long a light takes to a place against the terms kept. `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

@@ -16,8 +16,8 @@ const SIZE: [usize; 2] = [760, 580];
 const BACK: [u8; 3] = [12, 12, 14];
 const DIM: [u8; 3] = [70, 72, 78];
 
-/// Rows of the matrix that share a column, and the columns that they use most: in their own order, with rows and columns of a bicluster side by side, and coloured
-/// by bicluster.
+/// Rows of the matrix that share a column, and the columns that they use most: in their own order, with rows and
+/// columns of a bicluster side by side, and coloured by bicluster.
 pub fn matrix(measured: &Measured) -> Sheet {
     let (matrix, biclusters) = (&measured.matrix, &measured.biclusters);
     let window = Window::new(matrix, biclusters);

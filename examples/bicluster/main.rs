@@ -1,8 +1,8 @@
 //! Biclustering of transfer matrices in tables and pictures.
 //!
-//! `cargo run --release --features io --example bicluster` builds the transfer matrix of bi-scale radiance transfer at several numbers of vertices (64 local × 6,144
-//! global directions a vertex), biclusters it, asserts that nothing was lost, and prints operations, bytes and times as the paper's table II does. `--help` lists
-//! the options.
+//! `cargo run --release --features io --example bicluster` builds the transfer matrix of bi-scale radiance transfer at
+//! several numbers of vertices (64 local × 6,144 global directions a vertex), biclusters it, asserts that nothing was
+//! lost, and prints operations, bytes and times as the paper's table II does. `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

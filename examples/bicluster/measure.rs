@@ -118,8 +118,8 @@ fn products(matrix: &SparseMatrix, biclusters: &Biclustering) -> ([f64; 2], f64)
     let mut out = [vec![0.0f32; matrix.rows() * SIDES], vec![0.0f32; matrix.rows() * SIDES]];
     let [mut plain, mut biclustered] = [Timer::default(), Timer::default()];
     for _ in 0..ROUNDS {
-        plain.time(|| matrix.multiply(&x, SIDES, &mut out[0]));
-        biclustered.time(|| multiplier.multiply_with_scratch(&x, SIDES, &mut out[1], &mut scratch));
+        plain.time(|| matrix.multiply_batch(SIDES, &x, &mut out[0]));
+        biclustered.time(|| multiplier.multiply_batch(SIDES, &x, &mut out[1], &mut scratch));
     }
     let largest = out[0].iter().fold(0.0f32, |m, x| m.max(x.abs()));
     let difference = out[0].iter().zip(&out[1]).fold(0.0f32, |m, (a, b)| m.max((a - b).abs()));

@@ -28,8 +28,8 @@ pub fn meshes(args: &Args) -> Result<(String, Vec<Mesh>), Failure> {
     Ok((path.file_name().unwrap_or_default().to_string_lossy().into_owned(), all))
 }
 
-/// Halves the longest edges until there are `vertices`; normals are made anew. Vertices are then numbered along a curve through space, so that
-/// consecutive ones are near.
+/// Halves the longest edges until there are `vertices`; normals are made anew. Vertices are then numbered along a curve
+/// through space, so that consecutive ones are near.
 fn refined(mesh: &Mesh, vertices: usize) -> Result<Mesh, Failure> {
     let mut positions = mesh.positions().to_vec();
     let mut faces = mesh.faces().to_vec();

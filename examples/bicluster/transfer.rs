@@ -1,4 +1,5 @@
-//! The transfer matrix of bi-scale radiance transfer [§IV-A]: which light from the whole sphere arrives along which local direction.
+//! The transfer matrix of bi-scale radiance transfer [§IV-A]: which light from the whole sphere arrives along which
+//! local direction.
 
 use haarmonic::compress::SparseMatrix;
 use haarmonic::nalgebra::{UnitVector3, Vector3};
@@ -13,7 +14,8 @@ pub const LOCAL: usize = 8;
 /// Samples along a texel's edge: 2 × 2, so the levels of visibility are 0…4.
 pub const SAMPLES: usize = 2;
 
-/// The local directions: centres of a grid on the square, by Shirley and Chiu's concentric map onto the hemisphere (equal area).
+/// The local directions: centres of a grid on the square, by Shirley and Chiu's concentric map onto the hemisphere
+/// (equal area).
 pub fn local_directions() -> Vec<UnitVector3<f64>> {
     let centre = |i: usize| (2 * i + 1) as f64 / LOCAL as f64 - 1.0;
     let direction = |(x, y): (f64, f64)| {
@@ -30,8 +32,8 @@ pub fn local_directions() -> Vec<UnitVector3<f64>> {
     (0..LOCAL * LOCAL).map(|i| direction((centre(i % LOCAL), centre(i / LOCAL)))).collect()
 }
 
-/// T: a row for each vertex and local direction, a column for each texel of the global light; entry = visibility of the texel where the local
-/// direction is the nearest one to it. Each texel falls to one local direction of a vertex.
+/// T: a row for each vertex and local direction, a column for each texel of the global light; entry = visibility of the
+/// texel where the local direction is the nearest one to it. Each texel falls to one local direction of a vertex.
 pub fn transfer_matrix(mesh: &Mesh, progress: &impl Progress) -> Result<SparseMatrix> {
     let grid = CubeGrid::new(SIDE)?;
     let visibility =
@@ -42,7 +44,7 @@ pub fn transfer_matrix(mesh: &Mesh, progress: &impl Progress) -> Result<SparseMa
     let mut rows: Vec<Vec<(u32, i32)>> = vec![Vec::new(); local.len()];
     for vertex in 0..mesh.positions().len() {
         rows.iter_mut().for_each(Vec::clear);
-        let frame = mesh.frame(vertex);
+        let frame = mesh.local_frame(vertex);
         for (texel, &level) in visibility.vertex(vertex).iter().enumerate().filter(|(_, level)| **level > 0) {
             rows[nearest(&local, &frame.to_local(&texels[texel]))].push((texel as u32, i32::from(level)));
         }

@@ -9,7 +9,8 @@ use crate::support::environment::Light;
 
 /// Transport maps as principal components, in one piece and clustered: error, storage and relit values.
 ///
-/// Without arguments: the built-in torus knot with 1,000 vertices under the built-in sky, pictures in out/clustered_pca.
+/// Without arguments: the built-in torus knot with 1,000 vertices under the built-in sky, pictures in
+/// out/clustered_pca.
 #[derive(Debug, Parser)]
 #[command(version, name = "clustered_pca")]
 pub struct Args {

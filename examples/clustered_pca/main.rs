@@ -1,8 +1,9 @@
 //! Transport maps as principal components, in one piece and clustered, in tables and pictures.
 //!
-//! `cargo run --release --features io --example clustered_pca` bakes visibility x cosine of every vertex on a cube map (6 x 16 x 16 numbers), stores the maps by
-//! `Pca` and, at about equal storage, by `ClusteredPca`, each with its numbers in f32, f16 and 8 bits, and prints what is lost of the maps and of the values that
-//! a light makes of them. `--help` lists the options.
+//! `cargo run --release --features io --example clustered_pca` bakes visibility x cosine of every vertex on a cube map
+//! (6 x 16 x 16 numbers), stores the maps by `Pca` and, at about equal storage, by `ClusteredPca`, each with its
+//! numbers in f32, f16 and 8 bits, and prints what is lost of the maps and of the values that a light makes of them.
+//! `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

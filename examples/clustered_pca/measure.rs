@@ -27,7 +27,8 @@ pub struct Measured {
     pub seconds: f64,
     /// In each format.
     pub formats: [Figures; 3],
-    /// Products with the light without decoding against those of the decoded rows: largest difference over the largest number.
+    /// Products with the light without decoding against those of the decoded rows: largest difference over the largest
+    /// number.
     pub difference: Option<f64>,
 }
 
@@ -75,7 +76,7 @@ impl Measured {
             let relit = maps.relit(&matrix);
             if let (Format::Single, Some(coded)) = (format, &coded) {
                 let mut products = vec![0.0f32; 3 * maps.vertices()];
-                coded.multiply(&maps.sides(), 3, &mut products);
+                coded.multiply_batch(3, &maps.sides(), &mut products, &mut vec![0.0; coded.scratch_len(3)]);
                 let decoded = || relit.iter().flat_map(|x| x.iter().copied());
                 let largest = decoded().fold(f64::MIN_POSITIVE, |max, x| max.max(x.abs()));
                 let off = decoded().zip(&products).fold(0.0f64, |max, (x, &y)| max.max((x - f64::from(y)).abs()));

@@ -108,7 +108,8 @@ impl Stored {
 
     /// The matrix that is left, and the bytes of all that is stored.
     ///
-    /// In 8 bits each mean, each component, and each cluster's weights of one component have an offset and a step of their own.
+    /// In 8 bits each mean, each component, and each cluster's weights of one component have an offset and a step of
+    /// their own.
     pub fn decode(&self, format: Format) -> Result<(Vec<f32>, usize)> {
         let (columns, k) = (self.columns, self.components());
         let mut matrix = vec![0.0; self.rows * columns];

@@ -1,8 +1,8 @@
 //! Spherical harmonics in pictures.
 //!
-//! `cargo run --release --features io --example harmonics` draws the basis, projects an environment light to a few sizes, as it
-//! is, under a window and deringed, shows where each is negative, and prints the error of the light and of the irradiance that
-//! it gives. `--env` takes a file, `--help` lists the options.
+//! `cargo run --release --features io --example harmonics` draws the basis, projects an environment light to a few
+//! sizes, as it is, under a window and deringed, shows where each is negative, and prints the error of the light and of
+//! the irradiance that it gives. `--env` takes a file, `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

@@ -38,8 +38,8 @@ pub struct Args {
     #[arg(long, value_name = "N")]
     pub vertices: Option<usize>,
 
-    /// The comparison of Inger 2013: wavelet-triple and block-product only; the table with its chairs, the floor Lambert and
-    /// Phong exponents 10, 50, 100, 200 over Lambert on the rest
+    /// The comparison of Inger 2013: wavelet-triple and block-product only; the table with its chairs, the floor
+    /// Lambert and Phong exponents 10, 50, 100, 200 over Lambert on the rest
     #[arg(long, conflicts_with_all = ["mesh", "scene", "method", "brdf"])]
     pub paper: bool,
 

@@ -1,7 +1,7 @@
 //! A mesh lit by an environment map: relighting by wavelets and by blocks next to ground truth.
 //!
-//! `cargo run --release --features io,backends --example relight` lights the built-in scene with the built-in sky by every
-//! method, writes a contact sheet and prints the error and the time of each. `--help` lists the options.
+//! `cargo run --release --features io,backends --example relight` lights the built-in scene with the built-in sky by
+//! every method, writes a contact sheet and prints the error and the time of each. `--help` lists the options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

@@ -83,7 +83,8 @@ fn diffuse() -> Lambert {
     Lambert::new(Vector3::repeat(0.8)).expect("an albedo below 1 is allowed")
 }
 
-/// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured; the parts take turns with the exponents.
+/// The built-in scene's look: a diffuse floor, what stands on it glossy and coloured; the parts take turns with the
+/// exponents.
 fn palette(names: &[&str], parts: Vec<u32>, exponents: &[f64]) -> Result<Materials, Failure> {
     let colours: [[f64; 3]; 4] = [[0.75, 0.24, 0.12], [0.15, 0.35, 0.6], [0.6, 0.5, 0.2], [0.25, 0.5, 0.3]];
     let brdf = |(i, name): (usize, &&str)| -> Result<Arc<dyn Brdf>, Failure> {

@@ -5,7 +5,8 @@ use crate::support::axis::{Axis, Scale};
 use crate::support::plot::{self, Chart, LOOKS, Look, Series};
 use crate::support::sheet::{PAPER, Sheet};
 
-/// What is drawn, in which look and by how much wider than usual: of what lies on the same line all is seen, like a flag.
+/// What is drawn, in which look and by how much wider than usual: of what lies on the same line all is seen, like a
+/// flag.
 const DRAWN: [(&str, usize, f64); 7] = [
     ("OL", 1, 7.0),
     ("HYB", 2, 5.5),

@@ -1,8 +1,9 @@
 //! Exponentials of spherical harmonic expansions: error and time of every method.
 //!
-//! `cargo run --release --features io --example sh_exp` takes unions of 1 to 8 discs, adds up the logarithms of their visibilities, takes
-//! exp by every method, and compares with the projection of the true visibility [Sun 2008, §5.2]. It prints a table for each number of bands and
-//! draws error against ‖f̂‖ and against time. `--help` lists the options.
+//! `cargo run --release --features io --example sh_exp` takes unions of 1 to 8 discs, adds up the logarithms of their
+//! visibilities, takes exp by every method, and compares with the projection of the true visibility [Sun 2008, §5.2].
+//! It prints a table for each number of bands and draws error against ‖f̂‖ and against time. `--help` lists the
+//! options.
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "an example talks to its user")]
 
 mod args;

@@ -172,7 +172,7 @@ impl Measured {
 
 /// Where the logarithms of discs come from.
 enum Fit {
-    Table(CapLog<f64>),
+    Table(CapLog),
     Clipped(Box<Logarithm>),
 }
 
@@ -221,7 +221,7 @@ fn times(plan: &Exponential<f32>, logs: &[Vec<f64>]) -> [f64; 2] {
         }
         best[0] = best[0].min(start.elapsed().as_nanos() as f64 / BATCH as f64);
         let start = Instant::now();
-        plan.batch(BATCH, std::hint::black_box(&rows), &mut all, &mut scratch);
+        plan.apply_batch(BATCH, std::hint::black_box(&rows), &mut all, &mut scratch);
         best[1] = best[1].min(start.elapsed().as_nanos() as f64 / BATCH as f64);
     }
     best

@@ -1,5 +1,5 @@
-//! Charts by plotters, all in one look: series that differ in colour, marker and dashes, numbers on every axis, legends that
-//! are pictures of their own and so cover nothing.
+//! Charts by plotters, all in one look: series that differ in colour, marker and dashes, numbers on every axis, legends
+//! that are pictures of their own and so cover nothing.
 
 use plotters::coord::Shift;
 use plotters::element::DashedPathElement;
@@ -32,7 +32,8 @@ pub enum Marker {
     Cross,
 }
 
-/// How a series is drawn: colour, marker, width of the line, lengths of dashes and gaps (no gaps: a full line), in pixels.
+/// How a series is drawn: colour, marker, width of the line, lengths of dashes and gaps (no gaps: a full line), in
+/// pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Look {
     pub colour: [u8; 3],
@@ -47,7 +48,8 @@ const fn look(colour: [u8; 3], marker: Marker, dashes: [i32; 2]) -> Look {
     Look { colour, marker, radius: 6.5, width: 2.6, dashes }
 }
 
-/// The looks of all charts: colours that are told apart by most eyes [Okabe and Ito], each with a marker and dashes of its own.
+/// The looks of all charts: colours that are told apart by most eyes [Okabe and Ito], each with a marker and dashes of
+/// its own.
 pub const LOOKS: [Look; 7] = [
     look([0, 114, 178], Marker::Disc, [0, 0]),
     look([213, 94, 0], Marker::Square, [14, 7]),
@@ -114,7 +116,8 @@ impl Look {
     pub const PALE: Self =
         Self { colour: [245, 214, 96], marker: Marker::None, radius: 0.0, width: 13.0, dashes: [0, 0] };
 
-    /// A full line and markers that are wider than usual by `more` pixels on each side: seen under others that lie on it.
+    /// A full line and markers that are wider than usual by `more` pixels on each side: seen under others that lie on
+    /// it.
     pub fn wider(self, more: f64) -> Self {
         Self { radius: self.radius + more, width: self.width + 2.0 * more, dashes: [0, 0], ..self }
     }

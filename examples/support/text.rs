@@ -1,4 +1,5 @@
-//! Text in pictures: one font for all of them, from the files beside this one, so that every machine draws the same pixels.
+//! Text in pictures: one font for all of them, from the files beside this one, so that every machine draws the same
+//! pixels.
 
 use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 

@@ -1,7 +1,8 @@
 //! Spherical harmonics of a few bands at one direction, in straight lines.
 //!
-//! y_{l,±m} = q_{l,m}(z) {Re, Im} (x + iy)^m. The recurrence of `src/sh/basis/kernel.rs` makes of q_{m+1}, q_{m+2}, q_{m+3} at fixed m a
-//! multiple of z, of z² less a constant, and of z times such; from q_{m+4} on it is used as it is: polynomials lose digits then.
+//! y_{l,±m} = q_{l,m}(z) {Re, Im} (x + iy)^m. The recurrence of `src/sh/basis/kernel.rs` makes of q_{m+1}, q_{m+2},
+//! q_{m+3} at fixed m a multiple of z, of z² less a constant, and of z times such; from q_{m+4} on it is used as it is:
+//! polynomials lose digits then.
 
 use crate::output::Output;
 use crate::text::Text;
@@ -97,9 +98,9 @@ fn body(bands: usize) -> Text {
 }
 
 /// The file.
-pub fn output() -> Output {
+pub(crate) fn output() -> Output {
     let mut text = String::from(
-        "//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run --release -p haarmonic-generate`.\n\n\
+        "//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run -p haarmonic-generate`.\n\n\
          use crate::Real;\n",
     );
     for bands in 1..=MOST {

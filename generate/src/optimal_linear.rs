@@ -10,9 +10,10 @@ use crate::output::Output;
 const BANDS: std::ops::RangeInclusive<usize> = 2..=8;
 
 /// src/sh/exponential/optimal_linear_table.rs.
-pub fn table() -> Output {
+pub(crate) fn table() -> Output {
     let mut text = "//! α and β of the optimal linear exponential, for bands 2 to 8. Written by the crate `generate`: do not edit.\n\n\
-        /// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev polynomials, α and β in turn.\n\
+        /// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev\n\
+        /// polynomials, α and β in turn.\n\
         #[rustfmt::skip]\n"
         .to_owned();
     let count = BANDS.count();

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 /// Text for a file below the root of the repository.
-pub struct Output {
-    pub path: String,
-    pub text: String,
+pub(crate) struct Output {
+    pub(crate) path: String,
+    pub(crate) text: String,
 }
 
 impl Output {
@@ -17,7 +17,7 @@ impl Output {
     ///
     /// # Errors
     /// A line that names the file and what the system said.
-    pub fn write(&self) -> Result<(), String> {
+    pub(crate) fn write(&self) -> Result<(), String> {
         std::fs::write(self.full_path(), &self.text).map_err(|error| format!("{}: {error}", self.path))
     }
 
@@ -25,7 +25,7 @@ impl Output {
     ///
     /// # Errors
     /// A line that names the file and the first line that differs.
-    pub fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         let committed = std::fs::read_to_string(self.full_path()).map_err(|error| format!("{}: {error}", self.path))?;
         if committed == self.text {
             return Ok(());

@@ -9,7 +9,7 @@ const TENSOR: [usize; 2] = [2, 3];
 const QUADRATURE: [usize; 5] = [4, 5, 6, 7, 8];
 
 /// Every file.
-pub fn outputs() -> Vec<Output> {
+pub(crate) fn outputs() -> Vec<Output> {
     let tensor = TENSOR.into_iter().map(|bands| {
         let functions = [("product", tensor::product(bands, false)), ("square", tensor::product(bands, true))];
         output(format!("src/sh/product/generated/tensor_{bands}.rs"), &format!("Tensor{bands}"), bands, &functions)
@@ -33,7 +33,7 @@ pub fn outputs() -> Vec<Output> {
 
 fn output(path: String, name: &str, bands: usize, functions: &[(&str, Text)]) -> Output {
     let mut text = format!(
-        "//! {bands} bands in straight lines. Written by `cargo run --release -p haarmonic-generate`.\n\n\
+        "//! {bands} bands in straight lines. Written by `cargo run -p haarmonic-generate`.\n\n\
          use super::super::text::{{Site, Straight}};\n\n\
          pub(in super::super) struct {name};\n\n\
          #[rustfmt::skip]\n\

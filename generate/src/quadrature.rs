@@ -1,11 +1,13 @@
 //! Products by quadrature: what one pair of nodes, z and −z, adds to the coefficients of the product.
 //!
-//! At a node a factor is the trigonometric polynomial Σ_m α_m e^{imφ}, α_{−m} the conjugate of α_m = c_m − i s_m. Its even and
-//! odd parts in z are sums over the l with l − m even and odd. The coefficients of the product of two are
+//! At a node a factor is the trigonometric polynomial Σ_m α_m e^{imφ}, α_{−m} the conjugate of α_m = c_m − i s_m. Its
+//! even and odd parts in z are sums over the l with l − m even and odd. The coefficients of the product of two are
 //!
-//!   H_M = Σ_{m + m' = M} α_m β_m',   and for m, m' > 0 the four products cc, ss, cs, sc serve both H_{m+m'} and H_{|m−m'|}.
+//!   H_M = Σ_{m + m' = M} α_m β_m',   and for m, m' > 0 the four products
+//!   cc, ss, cs, sc serve both H_{m+m'} and H_{|m−m'|}.
 //!
-//! Even M come from m, m' of equal parity and odd ones from the others, so that half of the sums are in registers at a time.
+//! Even M come from m, m' of equal parity and odd ones from the others, so that half of the sums are in registers at a
+//! time.
 
 use crate::text::{Text, positive};
 
@@ -216,7 +218,7 @@ fn project(text: &mut Text, bands: usize) {
 }
 
 /// What a pair of nodes adds to a product.
-pub fn product(bands: usize) -> Text {
+pub(crate) fn product(bands: usize) -> Text {
     let mut text = Text::default();
     for factor in ["a", "b"] {
         evaluate(&mut text, bands, factor, 0..bands);
@@ -231,7 +233,7 @@ pub fn product(bands: usize) -> Text {
 }
 
 /// What a pair of nodes adds to a square.
-pub fn square(bands: usize) -> Text {
+pub(crate) fn square(bands: usize) -> Text {
     let mut text = Text::default();
     evaluate(&mut text, bands, "a", 0..bands);
     for pole in POLES {
@@ -244,7 +246,7 @@ pub fn square(bands: usize) -> Text {
 }
 
 /// What the two poles add: there only m = 0 lives.
-pub fn poles(bands: usize, factors: [&str; 2]) -> Text {
+pub(crate) fn poles(bands: usize, factors: [&str; 2]) -> Text {
     let mut text = Text::default();
     let mut evaluated = Vec::new();
     for factor in factors {

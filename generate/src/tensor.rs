@@ -1,4 +1,5 @@
-//! Products by the tensor: every unordered pair of coefficients once, equal |Γ| of an output summed before they are multiplied.
+//! Products by the tensor: every unordered pair of coefficients once, equal |Γ| of an output summed before they are
+//! multiplied.
 
 use std::collections::HashMap;
 
@@ -74,7 +75,8 @@ impl Pairs {
     }
 }
 
-/// In a square a pair of different coefficients counts twice: its Γ is doubled where a sum has no other kind, else the pair.
+/// In a square a pair of different coefficients counts twice: its Γ is doubled where a sum has no other kind, else the
+/// pair.
 fn weigh(square: bool, groups: Vec<(f64, Vec<Term>)>) -> Vec<(f64, Vec<Term>)> {
     if !square {
         return groups;
@@ -113,7 +115,7 @@ fn constant_part(text: &mut Text, pairs: &mut Pairs, count: usize, gamma: f64) {
 }
 
 /// A product of `bands` bands, or a square.
-pub fn product(bands: usize, square: bool) -> Text {
+pub(crate) fn product(bands: usize, square: bool) -> Text {
     let tensor = TripleTensor::new(bands).expect("a handful of bands");
     let (mut text, count) = (Text::default(), bands * bands);
     let mut pairs = Pairs { square, pairs: HashMap::new(), sums: HashMap::new() };

@@ -4,31 +4,31 @@ use std::fmt::Write;
 
 /// The body of a function, with the operations that it does.
 #[derive(Default)]
-pub struct Text {
-    pub body: String,
-    pub multiplications: usize,
-    pub additions: usize,
+pub(crate) struct Text {
+    pub(crate) body: String,
+    pub(crate) multiplications: usize,
+    pub(crate) additions: usize,
 }
 
 impl Text {
     /// A line of the body.
-    pub fn line(&mut self, line: &str) {
+    pub(crate) fn line(&mut self, line: &str) {
         writeln!(self.body, "        {line}").expect("a string takes everything");
     }
 
     /// `name` = `value`.
-    pub fn set(&mut self, name: &str, value: &str) {
+    pub(crate) fn set(&mut self, name: &str, value: &str) {
         self.line(&format!("let {name} = {value};"));
     }
 
     /// x · y.
-    pub fn times(&mut self, x: &str, y: &str) -> String {
+    pub(crate) fn times(&mut self, x: &str, y: &str) -> String {
         self.multiplications += 1;
         format!("{x} * {y}")
     }
 
     /// Σ ± terms, the first of which is positive.
-    pub fn sum(&mut self, terms: &[(bool, String)]) -> String {
+    pub(crate) fn sum(&mut self, terms: &[(bool, String)]) -> String {
         self.additions += terms.len() - 1;
         let mut sum = terms[0].1.clone();
         assert!(!terms[0].0, "the first term is positive");
@@ -41,6 +41,6 @@ impl Text {
 }
 
 /// Terms that are all positive.
-pub fn positive(terms: impl IntoIterator<Item = String>) -> Vec<(bool, String)> {
+pub(crate) fn positive(terms: impl IntoIterator<Item = String>) -> Vec<(bool, String)> {
     terms.into_iter().map(|term| (false, term)).collect()
 }

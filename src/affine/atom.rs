@@ -1,7 +1,7 @@
 //! The functions that are coupled.
 
 use super::Mother;
-use crate::haar::{Index1d, Index2d, Kind};
+use crate::haar::{Index1d, Index2d, WaveletKind};
 
 /// A scaling function or wavelet of any level: 2^{l/2} f(2^l v − t), f = φ or ψ.
 ///
@@ -40,9 +40,9 @@ impl Atom {
             Index2d::Scaling => [Self { mother: Mother::Scaling, level: 0, offset: 0 }; 2],
             Index2d::Detail { level, kind, x, y } => {
                 let [horizontal, vertical] = match kind {
-                    Kind::Horizontal => [Mother::Wavelet, Mother::Scaling],
-                    Kind::Vertical => [Mother::Scaling, Mother::Wavelet],
-                    Kind::Diagonal => [Mother::Wavelet; 2],
+                    WaveletKind::Horizontal => [Mother::Wavelet, Mother::Scaling],
+                    WaveletKind::Vertical => [Mother::Scaling, Mother::Wavelet],
+                    WaveletKind::Diagonal => [Mother::Wavelet; 2],
                 };
                 [Self { mother: horizontal, level, offset: x }, Self { mother: vertical, level, offset: y }]
             }

@@ -62,12 +62,16 @@ impl Mother {
 
 /// The canonical coupling of a transformed function f with a fixed function g, each φ or ψ.
 ///
-///   M_fg(r, c) = ∫ f((u − c)/2r + ½) g(u) du                                    [Sun 2008, eq. 4.22, for ψψ]
+/// ```math
+/// M_fg(r, c) = ∫ f((u − c)/2r + ½) g(u) du                                    [Sun 2008, eq. 4.22, for ψψ]
+/// ```
 ///
 /// c is the centre and |r| half the width of the transformed function; r < 0 mirrors it. With G the primitive of g
 /// (Λ of ψ, B of φ),
 ///
-///   M_ψg = sgn(r) [2G(c) − G(c − |r|) − G(c + |r|)],    M_φg = G(c + |r|) − G(c − |r|),
+/// ```math
+/// M_ψg = sgn(r) [2G(c) − G(c − |r|) − G(c + |r|)],    M_φg = G(c + |r|) − G(c − |r|),
+/// ```
 ///
 /// exact for all r ≠ 0, without a branch on the data. The table of branches of [Sun 2008, fig. 4.4] lost its absolute
 /// values in print, and the three companions of M_ψψ are missing there; see docs/errata.md.
@@ -121,7 +125,9 @@ pub fn canonical_slope(f: Mother, g: Mother, [r, c]: [f64; 2], [dr, dc]: [f64; 2
 
 /// [∂M/∂r, ∂M/∂c] of [`canonical`], each the right-hand derivative where M has a kink.
 ///
-///   ∂M_ψg/∂r = g(c − r) − g(c + r),  ∂M_ψg/∂c = 2g(c) − g(c − r) − g(c + r)       [Sun 2008, eqs. 4.25, 4.26]
+/// ```math
+/// ∂M_ψg/∂r = g(c − r) − g(c + r),  ∂M_ψg/∂c = 2g(c) − g(c − r) − g(c + r)       [Sun 2008, eqs. 4.25, 4.26]
+/// ```
 ///
 /// For r > 0 the slopes of M_ψψ are {−1, 0, 1, 2} in r and {0, ±1, ±2, ±3} in c (the thesis has ±2 in r). A derivative
 /// along any direction, right- or left-handed: [`canonical_slope`].

@@ -4,12 +4,14 @@ use super::atom::root_power;
 use super::met::{Column, Met, Row};
 use super::overlap::{integral, values_beside};
 use super::{AffineMap, Atom};
-use crate::haar::{Index2d, Kind};
+use crate::haar::{Index2d, WaveletKind};
 use crate::{Error, Result};
 
 /// Affine coupling of two atoms of any level.
 ///
-///   D(s, o) = ∫ f_{l_i,t_i}(s v + o) g_{l_j,t_j}(v) dv = 2^{(l_i − l_j)/2} M_fg(r, c)      [Sun 2008, eqs. 4.20–4.23]
+/// ```math
+/// D(s, o) = ∫ f_{l_i,t_i}(s v + o) g_{l_j,t_j}(v) dv = 2^{(l_i − l_j)/2} M_fg(r, c)      [Sun 2008, eqs. 4.20–4.23]
+/// ```
 ///
 /// r = 2^{l_j − l_i − 1}/s, c = 2^{l_j}((t_i + ½) 2^{−l_i} − o)/s − t_j (where 2^{l_j} o is 2^{l_i} o in print); the
 /// atoms are zero outside their supports. r and c, once rounded, have lost the coupling where |s| is small, so it is
@@ -43,7 +45,9 @@ pub fn coupling(source: Atom, target: Atom, map: AffineMap) -> f64 {
 /// times the target's value g_k on the side to which it moves: with the amplitudes 2^{(l_i + l_j)/2} and the signs g_k
 /// decided without rounding,
 ///
-///   ∂D/∂s = −2^{(l_i + l_j)/2} (Σ w_k g_k x_k − o Σ w_k g_k)/(s |s|),    ∂D/∂o = −2^{(l_i + l_j)/2} Σ w_k g_k/|s|.
+/// ```math
+/// ∂D/∂s = −2^{(l_i + l_j)/2} (Σ w_k g_k x_k − o Σ w_k g_k)/(s |s|),    ∂D/∂o = −2^{(l_i + l_j)/2} Σ w_k g_k/|s|.
+/// ```
 ///
 /// Accuracy: below 4 ε of each derivative itself, at the kinks of the numbers that the map holds and nowhere else.
 ///
@@ -246,9 +250,15 @@ impl NonzerosNonstandard {
         x.scalings(0, |_, a| y.scalings(0, |_, b| visit(0, a * b)));
         for level in 0..self.levels {
             let mut emit = |kind, x, y, value| visit(Index2d::Detail { level, kind, x, y }.flat(), value);
-            y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx.offset, ty.offset, a * b)));
-            y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx.offset, ty.offset, a * b)));
-            y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx.offset, ty.offset, a * b)));
+            y.scalings(level, |ty, b| {
+                x.wavelets(level, |tx, a| emit(WaveletKind::Horizontal, tx.offset, ty.offset, a * b))
+            });
+            y.wavelets(level, |ty, b| {
+                x.scalings(level, |tx, a| emit(WaveletKind::Vertical, tx.offset, ty.offset, a * b))
+            });
+            y.wavelets(level, |ty, b| {
+                x.wavelets(level, |tx, a| emit(WaveletKind::Diagonal, tx.offset, ty.offset, a * b))
+            });
         }
     }
 }

@@ -1,13 +1,16 @@
 //! Light fields: a light that depends on where it leaves its plane and on where it goes.
 
 use super::{AffineMap, TripleNonzeros1d};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::haar::SparseVector;
 use crate::{Error, Real, Result};
 
 /// The light of a light field that arrives at a point.
 ///
-///   L(v) = F(z v + x, v),   L_k(z, x) = Σ_ij F_ij D_ijk(z, x)                         [Sun 2008, §4.5.3, eq. 4.37]
+/// ```math
+/// L(v) = F(z v + x, v),   L_k(z, x) = Σ_ij F_ij D_ijk(z, x)                         [Sun 2008, §4.5.3, eq. 4.37]
+/// ```
 ///
 /// for F(v₁, v₂) = Σ F_ij ψ_i(v₁) ψ_j(v₂): v₁ on the light's plane, v₂ the direction (the intercept on a plane at unit
 /// distance); s = z is the height of the point, o = x its place. In space each axis has its own map, and F has four
@@ -134,3 +137,8 @@ impl LightField {
         partners
     }
 }
+
+approx_by_parts!(
+    [T: Real + approx::RelativeEq<Epsilon = T> + approx::UlpsEq<Epsilon = T>, const C: usize] LightFieldTerm<T, C>, T,
+    |t| close [&t.value] same [t.plane, t.direction]
+);

@@ -1,5 +1,6 @@
 //! v ↦ s v + o.
 
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// The affine map v ↦ s·v + o of one axis, s ≠ 0: a signal F seen through it is F(s v + o).
@@ -133,3 +134,5 @@ impl Default for AffineMap {
         Self::IDENTITY
     }
 }
+
+approx_by_parts!([] AffineMap, f64, |m| close [[m.scale, m.offset]] same []);

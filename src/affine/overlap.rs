@@ -3,7 +3,9 @@
 //! On a piece [a, b] of the source atom and a piece [c, d] of the target atom the integrand is ± the product of both
 //! amplitudes. In source space, x = s v + o, where nothing has been divided by s,
 //!
-//!   ∫ f(s v + o) g(v) dv = 2^{(l_i + l_j)/2}/|s| Σ ± |[a, b] ∩ (s [c, d] + o)|.
+//! ```math
+//! ∫ f(s v + o) g(v) dv = 2^{(l_i + l_j)/2}/|s| Σ ± |[a, b] ∩ (s [c, d] + o)|.
+//! ```
 //!
 //! An overlap is the least of b − a, |s| (d − c) and the two distances from the beginning of one piece to the end of
 //! the other, or 0. Lengths are exact, distances are of the form x − s v − o and known to a few ε of themselves

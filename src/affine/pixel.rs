@@ -1,12 +1,12 @@
-//! Where the pixels of a moved image meet those of another: what propagation through pixels stands on, and the couplings of
-//! `reference::affine::pixel_basis`.
+//! Where the pixels of a moved image meet those of another: what propagation through pixels stands on, and the
+//! couplings of `reference::affine::pixel_basis`.
 #![allow(dead_code, reason = "some of it is for `reference` alone")]
 
 use super::AffineMap;
 use super::exact_sum::{exact_product, separation};
 
-/// The one-sided derivative of the overlap of two pixels at (s, o) along `along` = (ds, do): lim (D(s + ε ds, o + ε do) − D)/ε
-/// for ε → 0 from above.
+/// The one-sided derivative of the overlap of two pixels at (s, o) along `along` = (ds, do): lim (D(s + ε ds, o + ε do)
+/// − D)/ε for ε → 0 from above.
 ///
 /// Exact up to rounding, kinks included: where an end of the source pixel lies on an end of the target pixel, the
 /// direction decides which of the two bounds the overlap.

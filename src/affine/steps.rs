@@ -3,7 +3,9 @@
 //! A function f of compact support with jumps h_k at b_k has, against an atom g_{l,t} = 2^{l/2} g(2^l v − t) with
 //! primitive G of g,
 //!
-//!   ∫ f g_{l,t} dv = −2^{−l/2} Σ_k h_k G(2^l b_k − t):
+//! ```math
+//! ∫ f g_{l,t} dv = −2^{−l/2} Σ_k h_k G(2^l b_k − t):
+//! ```
 //!
 //! integrate from each jump to +∞; the terms G(∞) cancel because the jumps add to 0. Λ, the primitive of ψ, vanishes
 //! outside its own cell, so a wavelet of level l is met only where a breakpoint falls into its cell: three at most,

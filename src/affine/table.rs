@@ -74,13 +74,17 @@ enum Texels {
 /// # Layout
 /// Only the quarter 0 ≤ r ≤ ½, −½ ≤ c ≤ ½ is stored, of which −r ≤ c ≤ ½ is not zero; the rest follows from
 ///
-///   M(−r, c) = −M(r, c),   M(r, ½ + c) = M(r, ½ − c),   M(r, c) = 2r M(1/4r, ½ + 1/4r − c/2r)
+/// ```math
+/// M(−r, c) = −M(r, c),   M(r, ½ + c) = M(r, ½ − c),   M(r, c) = 2r M(1/4r, ½ + 1/4r − c/2r)
+/// ```
 ///
 /// (the thesis' eq. 4.28 is right, the last line of its derivation is not; see docs/errata.md). With n = `resolution`,
 /// texel (x, y), x < n + 1, y < n/2 + 1, row after row, is M(y/n, x/n − ½): values sit on the quarter's edges. After
 /// folding sample with clamp to edge at
 ///
-///   u = ((c + ½) n + ½)/(n + 1),   v = (r n + ½)/(n/2 + 1),   M = scale·t + bias, see [`Quantisation::decoding`].
+/// ```math
+/// u = ((c + ½) n + ½)/(n + 1),   v = (r n + ½)/(n/2 + 1),   M = scale·t + bias, see Quantisation::decoding.
+/// ```
 ///
 /// # Why this grid
 /// M is piecewise linear with kinks at c = 0, c = ±r and c = ½ − r. With equal steps 1/n in r and c, n a multiple of 4,

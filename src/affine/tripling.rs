@@ -9,11 +9,13 @@ use super::coupling::levels_of;
 use super::met::{Column, Met, Row};
 use super::{AffineMap, Atom, NonzerosNonstandard, coupling, coupling_gradient};
 use crate::Result;
-use crate::haar::{Index1d, Index2d, Kind};
+use crate::haar::{Index1d, Index2d, WaveletKind};
 
 /// Affine tripling of three atoms of any level, the first of which is transformed.
 ///
-///   D(s, o) = ∫ f(s v + o) g(v) h(v) dv = ±2^{l/2} ∫ f(s v + o) (atom)(v) dv       [Sun 2008, eqs. 4.10, 4.29]
+/// ```math
+/// D(s, o) = ∫ f(s v + o) g(v) h(v) dv = ±2^{l/2} ∫ f(s v + o) (atom)(v) dv       [Sun 2008, eqs. 4.10, 4.29]
+/// ```
 ///
 /// by [`Atom::product`] of g and h. For wavelets j ≠ k, n the coarse and m the fine one, this is σ 2^{(l_i − l_m +
 /// l_n)/2} M(r, c) with σ = −1 where bit l_m − l_n − 1 of t_m is set; for j = k it is 2^{l_i/2} M_ψφ(r, c). The thesis
@@ -277,7 +279,7 @@ impl TripleNonzerosNonstandard {
             let [x, y] = &axes;
             y.scalings(level, |ty, b| {
                 x.scalings(level, |tx, a| {
-                    for kind in Kind::ALL {
+                    for kind in WaveletKind::ALL {
                         let k = Index2d::Detail { level, kind, x: tx.offset, y: ty.offset }.flat();
                         visit(k, k, amplitude * (a * b));
                     }
@@ -307,9 +309,9 @@ fn each_detail<M: Met>([x, y]: &[M; 2], level: u32, mut visit: impl FnMut(usize,
     let mut emit = |kind, tx: Atom, ty: Atom, value| {
         visit(Index2d::Detail { level, kind, x: tx.offset, y: ty.offset }.flat(), [tx.offset, ty.offset], value);
     };
-    y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Horizontal, tx, ty, a * b)));
-    y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(Kind::Vertical, tx, ty, a * b)));
-    y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(Kind::Diagonal, tx, ty, a * b)));
+    y.scalings(level, |ty, b| x.wavelets(level, |tx, a| emit(WaveletKind::Horizontal, tx, ty, a * b)));
+    y.wavelets(level, |ty, b| x.scalings(level, |tx, a| emit(WaveletKind::Vertical, tx, ty, a * b)));
+    y.wavelets(level, |ty, b| x.wavelets(level, |tx, a| emit(WaveletKind::Diagonal, tx, ty, a * b)));
 }
 
 /// The three details of level `up` above the cell (tx, ty) of `level`: (index, the value that it has there).
@@ -318,7 +320,7 @@ fn above([tx, ty]: [usize; 2], level: u32, up: u32, mut visit: impl FnMut(usize,
     let below = level - up;
     let halves = (tx >> (below - 1) & 1) | (ty >> (below - 1) & 1) << 1;
     let amplitude = root_power(2 * up as i32);
-    for kind in Kind::ALL {
+    for kind in WaveletKind::ALL {
         let negative = (kind as usize & halves).count_ones() & 1 == 1;
         let j = Index2d::Detail { level: up, kind, x: tx >> below, y: ty >> below }.flat();
         visit(j, if negative { -amplitude } else { amplitude });

@@ -6,7 +6,9 @@
 //! rounding is decided in source space, x = s v + o, where no division is needed: with y_k = 2^m (b_k − o)/s − u of a
 //! target atom (m, u) and breakpoints b_k of the source,
 //!
-//!   s Σ_k w_k G(y_k),   s Λ(y) = z − s u or s (u + 1) − z,   z = 2^m (b_k − o),
+//! ```math
+//! s Σ_k w_k G(y_k),   s Λ(y) = z − s u or s (u + 1) − z,   z = 2^m (b_k − o),
+//! ```
 //!
 //! a sum of a dozen products of two `f64`, added without rounding.
 

@@ -1,5 +1,6 @@
 //! What compression with loss loses.
 
+use crate::approx_eq::approx_by_parts;
 use crate::numeric::SquareSum;
 use crate::store::{Reader, Writer};
 use crate::{Error, Real, Result, parallel};
@@ -84,3 +85,5 @@ impl Distortion {
         Self { max, rms: squares.root_mean(original.len() as f64), relative: squares.root_ratio(energy) }
     }
 }
+
+approx_by_parts!([] Distortion, f64, |d| close [[d.max, d.rms, d.relative]] same []);

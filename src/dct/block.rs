@@ -18,7 +18,9 @@ enum Layout {
 }
 
 /// Orthonormal DCT-II of square blocks and its inverse (DCT-III), planned once, applied to batches.
-///   C_vu = Σ_yx f_yx c_v(y) c_u(x),   c_u(x) = √((2 − δ_u0)/n) cos((2x + 1)uπ/2n)
+/// ```math
+/// C_vu = Σ_yx f_yx c_v(y) c_u(x),   c_u(x) = √((2 − δ_u0)/n) cos((2x + 1)uπ/2n)
+/// ```
 ///
 /// The basis that [Inger 2013, §4.1] means: the cosines printed in eq. 4 are not a basis (docs/errata.md). Orthonormal
 /// over the samples, so Σ f g = Σ C_f C_g ([`product_integral`](crate::dct::product_integral)) and a constant block has

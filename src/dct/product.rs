@@ -7,7 +7,9 @@ use crate::error::length_mismatch;
 const LANES: usize = 16;
 
 /// Σ over the samples of a block of f·g, from the coefficients of both (Parseval).
-///   Σ_yx f g = Σ_vu A_vu B_vu
+/// ```math
+/// Σ_yx f g = Σ_vu A_vu B_vu
+/// ```
 ///
 /// Line 6 of algorithm 1 [Inger 2013]: light (16 coefficients) × BRDF (1, 4 or 16). The two may keep different numbers
 /// of frequencies; the smaller square of both counts.

@@ -10,8 +10,10 @@ use crate::{Error, Real, Result};
 const WORST_CONDITION: f64 = 1e3;
 
 /// The l × l lowest DCT coefficients of a block from l × l samples of a function that is band-limited there.
-///   Σ_{u,v<l} A_vu c_v(y_j) c_u(x_k) = ρ(x_k, y_j)                    [Inger 2013, eq. 4, with the basis of `BlockDct`]
-///   A = P S Pᵀ,  P = [c_u(x_k)]⁻¹
+/// ```math
+/// Σ_{u,v<l} A_vu c_v(y_j) c_u(x_k) = ρ(x_k, y_j)                   [Inger 2013, eq. 4, with the basis of BlockDct]
+/// A = P S Pᵀ,  P = [c_u(x_k)]⁻¹
+/// ```
 ///
 /// Positions are in units of pixels: 0 is the centre of the first, −½ the block's edge. The cosines of the print are
 /// not a basis, and its samples are singular (docs/errata.md). Choose

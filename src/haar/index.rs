@@ -39,7 +39,7 @@ impl Index1d {
 
 /// The three details of the 2D nonstandard basis, named by the direction in which they change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
+pub enum WaveletKind {
     /// ψ(x) φ(y): changes along x (kind 1).
     Horizontal = 1,
     /// φ(x) ψ(y): changes along y (kind 2).
@@ -48,7 +48,7 @@ pub enum Kind {
     Diagonal = 3,
 }
 
-impl Kind {
+impl WaveletKind {
     /// The three kinds in storage order.
     pub const ALL: [Self; 3] = [Self::Horizontal, Self::Vertical, Self::Diagonal];
 }
@@ -65,7 +65,7 @@ pub enum Index2d {
         /// The level l.
         level: u32,
         /// Which of the three.
-        kind: Kind,
+        kind: WaveletKind,
         /// The offset t_x < 2^l.
         x: usize,
         /// The offset t_y < 2^l.
@@ -82,7 +82,7 @@ impl Index2d {
         let within = flat & ((1 << (2 * level)) - 1);
         Self::Detail {
             level,
-            kind: Kind::ALL[(flat >> (2 * level)) - 1],
+            kind: WaveletKind::ALL[(flat >> (2 * level)) - 1],
             x: within & ((1 << level) - 1),
             y: within >> level,
         }
@@ -108,7 +108,7 @@ mod tests {
             assert_eq!(Index1d::from_flat(flat).flat(), flat);
             assert_eq!(Index2d::from_flat(flat).flat(), flat);
         }
-        let diagonal = Index2d::Detail { level: 2, kind: Kind::Diagonal, x: 1, y: 3 };
+        let diagonal = Index2d::Detail { level: 2, kind: WaveletKind::Diagonal, x: 1, y: 3 };
         assert_eq!(diagonal.flat(), 3 * 16 + 3 * 4 + 1);
         assert_eq!(Index1d::from_flat(11), Index1d::Detail { level: 3, offset: 3 });
     }

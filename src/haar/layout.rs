@@ -80,24 +80,24 @@ pub fn from_pywavelets_2d<T: Real>(size: usize, coefs: &[T], layout: PyWaveletsL
 
 /// Where PyWavelets keeps the coefficient of our flat index.
 fn place(size: usize, flat: usize, layout: PyWaveletsLayout) -> usize {
-    use super::{Index2d, Kind};
+    use super::{Index2d, WaveletKind};
     let Index2d::Detail { level, kind, x, y } = Index2d::from_flat(flat) else { return 0 };
     match layout {
         PyWaveletsLayout::Ravelled => flat,
         PyWaveletsLayout::Wavedec2 => {
             let kind = match kind {
-                Kind::Horizontal => Kind::Vertical,
-                Kind::Vertical => Kind::Horizontal,
-                Kind::Diagonal => Kind::Diagonal,
+                WaveletKind::Horizontal => WaveletKind::Vertical,
+                WaveletKind::Vertical => WaveletKind::Horizontal,
+                WaveletKind::Diagonal => WaveletKind::Diagonal,
             };
             Index2d::Detail { level, kind, x, y }.flat()
         }
         PyWaveletsLayout::Array => {
             let side = 1 << level;
             let (column, row) = match kind {
-                Kind::Horizontal => (side + x, y),
-                Kind::Vertical => (x, side + y),
-                Kind::Diagonal => (side + x, side + y),
+                WaveletKind::Horizontal => (side + x, y),
+                WaveletKind::Vertical => (x, side + y),
+                WaveletKind::Diagonal => (side + x, side + y),
             };
             row * size + column
         }

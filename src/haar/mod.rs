@@ -43,7 +43,7 @@ pub(crate) mod triple;
 mod tripling;
 pub(crate) mod wavelet_tree;
 
-pub use index::{Index1d, Index2d, Kind};
+pub use index::{Index1d, Index2d, WaveletKind};
 pub use layout::{PyWaveletsLayout, from_pywavelets_1d, from_pywavelets_2d, to_pywavelets_1d, to_pywavelets_2d};
 pub use n_fold::NFoldProduct;
 pub use product::{Product1d, Product2d, multiply_sparse_1d, multiply_sparse_2d};
@@ -53,10 +53,7 @@ pub use select::{ChannelRule, Keep, ScalingTerms, Selection, SelectionScratch, W
 pub use sparse::SparseVector;
 pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
 pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};
-pub use triple::{
-    BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, Route, SparseNodes, TripleProduct, Visibility,
-    rows_to_morton, upper_means,
-};
+pub use triple::{BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, Route, TripleProduct, Visibility};
 pub use tripling::{
     Tripling, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,
     tripling_nonzeros_2d,

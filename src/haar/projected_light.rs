@@ -8,7 +8,9 @@ use crate::sphere::{CubeGrid, CubeMap};
 
 /// Radiance weighted for product integrals, as texels and in the Haar basis of each face, three channels.
 ///
-///   L'(texel) = L(texel) · side² · Ω(texel),  Σ_texels L V B Ω = Σ_faces mean(L' V B)
+/// ```math
+/// L'(texel) = L(texel) · side² · Ω(texel),  Σ_texels L V B Ω = Σ_faces mean(L' V B)
+/// ```
 ///
 /// It is not a radiance any more, hence the type of its own.
 #[derive(Debug, Clone)]
@@ -44,8 +46,8 @@ impl ProjectedLight {
     /// Weights and transforms a light.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite; the light
-    /// from before stays.
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite; the light from before stays.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid)?;
         for (channel, (texels, coefficients)) in self.texels.iter_mut().zip(&mut self.coefficients).enumerate() {

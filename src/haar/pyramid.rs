@@ -1,9 +1,9 @@
 //! Mean pyramids.
 
-use approx::{AbsDiffEq, RelativeEq};
 use pulp::{Arch, Simd, WithSimd};
 
 use super::transform_kernels as kernels;
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Real, Result};
 
 /// The mean of an image over every node of its quadtree, from the whole (level 0) to the pixels (level log2 size).
@@ -148,29 +148,7 @@ impl<T: Real> Pyramid<T> {
     }
 }
 
-/// Mean by mean; pyramids of different sizes are never equal.
-impl<T: Real + AbsDiffEq<Epsilon = T>> AbsDiffEq for Pyramid<T> {
-    type Epsilon = T;
-
-    fn default_epsilon() -> T {
-        T::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
-        self.values.abs_diff_eq(&other.values, epsilon)
-    }
-}
-
-/// Mean by mean, as [`AbsDiffEq`].
-impl<T: Real + RelativeEq<Epsilon = T>> RelativeEq for Pyramid<T> {
-    fn default_max_relative() -> T {
-        T::default_max_relative()
-    }
-
-    fn relative_eq(&self, other: &Self, epsilon: T, max_relative: T) -> bool {
-        self.values.relative_eq(&other.values, epsilon, max_relative)
-    }
-}
+approx_by_parts!([T] Pyramid<T>, T, |p| close [&p.values] same []);
 
 struct FromPixels<'a, T> {
     levels: u32,

@@ -456,7 +456,9 @@ pub fn select<T: Real>(coefs: &[T], keep: Keep, weighting: Weighting<'_, T>) -> 
 }
 
 /// Weights for [`Weighting::Transport`]: the norms of a transport matrix's columns, from its rows (one a receiver).
-///   w_i = √(Σ_v T_vi²), summed in f64; held at the largest number of T where finite elements exceed it
+/// ```math
+/// w_i = √(Σ_v T_vi²), summed in f64; held at the largest number of T where finite elements exceed it
+/// ```
 ///
 /// # Errors
 /// [`Error::Length`] unless every row is `len` long.

@@ -1,6 +1,6 @@
 //! Sparse coefficient vectors.
 
-use approx::{AbsDiffEq, RelativeEq};
+use approx::{AbsDiffEq, RelativeEq, UlpsEq};
 
 use crate::error::check_length;
 use crate::{Error, Real, Result};
@@ -244,5 +244,16 @@ impl<T: Real + RelativeEq<Epsilon = T>> RelativeEq for SparseVector<T> {
 
     fn relative_eq(&self, other: &Self, epsilon: T, max_relative: T) -> bool {
         self.len == other.len && self.union(other).all(|(_, a, b)| a.relative_eq(&b, epsilon, max_relative))
+    }
+}
+
+/// Entry by entry, as [`AbsDiffEq`].
+impl<T: Real + UlpsEq<Epsilon = T>> UlpsEq for SparseVector<T> {
+    fn default_max_ulps() -> u32 {
+        T::default_max_ulps()
+    }
+
+    fn ulps_eq(&self, other: &Self, epsilon: T, max_ulps: u32) -> bool {
+        self.len == other.len && self.union(other).all(|(_, a, b)| a.ulps_eq(&b, epsilon, max_ulps))
     }
 }

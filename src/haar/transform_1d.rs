@@ -16,7 +16,9 @@ pub(super) enum Direction {
 }
 
 /// Orthonormal 1D Haar transform of one length, planned once, applied many times.
-///   c_0 = mean x,  c_{2^l + t} = ∫ f ψ_{l,t} = 2^{−l/2} (mean of the left half − mean of the right half)/2
+/// ```math
+/// c_0 = mean x,  c_{2^l + t} = ∫ f ψ_{l,t} = 2^{−l/2} (mean of the left half − mean of the right half)/2
+/// ```
 ///
 /// f is the function on [0, 1] whose value on [k/N, (k + 1)/N) is x_k. Because the inner product is that of the unit
 /// interval, coefficients do not depend on the resolution, and Σ c² = mean x².

@@ -19,7 +19,9 @@ pub enum Decomposition {
 }
 
 /// Orthonormal 2D Haar transform of one size, planned once, applied many times.
-///   c_i = ∫ f Ψ_i over [0, 1]²
+/// ```math
+/// c_i = ∫ f Ψ_i over [0, 1]²
+/// ```
 ///
 /// f is the function on the unit square whose value on pixel (x, y) is `samples[y·width + x]`. Coefficients do not
 /// depend on the resolution; coefficient 0 is the mean; Σ c² = mean of the squared samples.

@@ -13,7 +13,7 @@
 //!
 //! Sources: [Ng, Ramamoorthi & Hanrahan 2004, §5]; [Sun 2008, eq. 4.6].
 
-use super::{Index1d, Index2d, Kind};
+use super::{Index1d, Index2d, WaveletKind};
 use crate::{Error, Real, Result};
 
 /// An exact tripling coefficient: 0 or ±2^{e/2}.
@@ -64,7 +64,9 @@ fn sorted(mut triple: [usize; 3]) -> [usize; 3] {
 
 /// Tripling coefficient of three functions of the 1D basis, by flat index, in any order.
 ///
-///   C_ijk = ∫₀¹ ψ_i ψ_j ψ_k dv                                                   [Sun 2008, eq. 4.6]
+/// ```math
+/// C_ijk = ∫₀¹ ψ_i ψ_j ψ_k dv                                                   [Sun 2008, eq. 4.6]
+/// ```
 ///
 /// Cost: a few integer operations.
 ///
@@ -93,7 +95,9 @@ pub fn tripling_1d(i: usize, j: usize, k: usize) -> Tripling {
 
 /// Tripling coefficient of three functions of the 2D nonstandard basis, by flat index, in any order.
 ///
-///   C_ijk = ∫∫ Ψ_i Ψ_j Ψ_k dx dy                                   [Ng et al. 2004, §5.1, the three cases]
+/// ```math
+/// C_ijk = ∫∫ Ψ_i Ψ_j Ψ_k dx dy                                   [Ng et al. 2004, §5.1, the three cases]
+/// ```
 ///
 /// Always an integer. Cost: a few integer operations.
 ///
@@ -126,13 +130,15 @@ pub fn tripling_2d(i: usize, j: usize, k: usize) -> Tripling {
 }
 
 /// Whether a detail is −1 on the child of column `right` and row `low`.
-fn negative(kind: Kind, right: usize, low: usize) -> bool {
+fn negative(kind: WaveletKind, right: usize, low: usize) -> bool {
     (kind as usize & (right | low << 1)).count_ones() & 1 == 1
 }
 
 /// How many of the size³ ordered triples (i, j, k) of the 1D basis have C_ijk ≠ 0.
 ///
-///   1 + 3(N − 1) + 3 Σ_l l 2^l = 3N log₂N − 3N + 4: 52, 148, 388, 964 for N = 8, 16, 32, 64
+/// ```math
+/// 1 + 3(N − 1) + 3 Σ_l l 2^l = 3N log₂N − 3N + 4: 52, 148, 388, 964 for N = 8, 16, 32, 64
+/// ```
 ///
 /// # Errors
 /// [`Error::NotPowerOfTwo`] unless `size` is one; [`Error::OutOfRange`] above 2⁵⁶, where the number leaves 64 bits.
@@ -150,7 +156,9 @@ pub fn tripling_count_1d(size: usize) -> Result<u64> {
 
 /// How many of the side⁶ ordered triples of the 2D nonstandard basis have C_ijk ≠ 0.
 ///
-///   1 + 3(N² − 1) + 6 (N² − 1)/3 + 27 Σ_l l 4^l: 1288 for side 8
+/// ```math
+/// 1 + 3(N² − 1) + 6 (N² − 1)/3 + 27 Σ_l l 4^l: 1288 for side 8
+/// ```
 ///
 /// # Errors
 /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 2²⁸, where the number leaves 64 bits.
@@ -228,7 +236,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
         };
         let alone = match own {
             Index2d::Scaling => Some(([0, 0, 0], Tripling::power(0, false))),
-            Index2d::Detail { level, kind: Kind::Horizontal, .. } => {
+            Index2d::Detail { level, kind: WaveletKind::Horizontal, .. } => {
                 let area = 1 << (2 * level);
                 Some(([i, i + area, i + 2 * area], Tripling::power(2 * level, false)))
             }
@@ -236,7 +244,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
         };
         alone.into_iter().chain((first..levels).flat_map(move |fine| {
             let below = fine - own_level;
-            Kind::ALL.into_iter().flat_map(move |finer| {
+            WaveletKind::ALL.into_iter().flat_map(move |finer| {
                 (0..1usize << below)
                     .flat_map(move |dy| (0..1usize << below).map(move |dx| nested_2d(i, own, fine, finer, dx, dy)))
             })
@@ -245,7 +253,7 @@ pub fn tripling_nonzeros_2d(side: usize) -> Result<impl Iterator<Item = ([usize;
 }
 
 /// The triple of `own` and, twice, the detail of level `fine` at (dx, dy) inside it.
-fn nested_2d(i: usize, own: Index2d, fine: u32, finer: Kind, dx: usize, dy: usize) -> ([usize; 3], Tripling) {
+fn nested_2d(i: usize, own: Index2d, fine: u32, finer: WaveletKind, dx: usize, dy: usize) -> ([usize; 3], Tripling) {
     let (x, y, value) = match own {
         Index2d::Scaling => (dx, dy, Tripling::power(0, false)),
         Index2d::Detail { level, kind, x, y } => {

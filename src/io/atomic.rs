@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::{Report, describe};
 use crate::Result;
+use crate::io::report::{Report, describe};
 
 /// Writes `bytes` to `path`: first to a temporary file in the same folder, which then takes the target's name.
 ///

@@ -1,6 +1,6 @@
 //! Counting what a reader repairs, for one warning instead of many.
 
-use super::Report;
+use crate::io::report::Report;
 
 /// How often something was seen, and where first.
 #[derive(Debug, Default)]

@@ -3,7 +3,8 @@
 use crate::Real;
 use crate::error::check_length;
 
-/// P_l(x), l ≥ 0. For many degrees at one x use [`legendre_all`]; the bits are the same. Cost: l steps of the recurrence.
+/// P_l(x), l ≥ 0. For many degrees at one x use [`legendre_all`]; the bits are the same. Cost: l steps of the
+/// recurrence.
 ///
 /// # Example
 /// ```
@@ -19,12 +20,13 @@ pub fn legendre<T: Real>(l: usize, x: T) -> T {
 
 /// P_0(x), P_1(x), … for as many degrees as `out` holds.
 ///
-///   D_{l+1} = (l D_l − (2l+1)(1 − x) P_l)/(l+1),  P_{l+1} = P_l + D_{l+1},  x ≥ 0; P_l(−x) = (−1)^l P_l(x)
+/// ```math
+/// D_{l+1} = (l D_l − (2l+1)(1 − x) P_l)/(l+1),  P_{l+1} = P_l + D_{l+1},  x ≥ 0; P_l(−x) = (−1)^l P_l(x)
+/// ```
 ///
-/// which is the three-term recurrence [Abramowitz & Stegun 22.7.10] for differences: near x = ±1, where P_l changes fastest, 1 − |x|
-/// is exact and rounding stays small. Exact at ±1.
-/// Accuracy, absolute, `f64`: 5e-16 below degree 64, 1e-15 below 256, 2e-14 below 1024; the plain recurrence has 1e-14, 7e-14 and
-/// 1e-12. NaN gives NaN from P_1 on.
+/// which is the three-term recurrence [Abramowitz & Stegun 22.7.10] for differences: near x = ±1, where P_l changes
+/// fastest, 1 − |x| is exact and rounding stays small. Exact at ±1. Accuracy, absolute, `f64`: 5e-16 below degree 64,
+/// 1e-15 below 256, 2e-14 below 1024; the plain recurrence has 1e-14, 7e-14 and 1e-12. NaN gives NaN from P_1 on.
 pub fn legendre_all<T: Real>(x: T, out: &mut [T]) {
     let mut steps = LegendreSteps::new(x);
     for out in out {
@@ -39,7 +41,8 @@ pub fn legendre_all<T: Real>(x: T, out: &mut [T]) {
 /// P′_{l+1} = P′_{l−1} + (2l+1) P_l                                    [Abramowitz & Stegun 8.5.4 and 8.5.3]
 /// ```
 ///
-/// No division by 1 − x²: exact at the ends, where P_l′(1) = l(l+1)/2. Accuracy: that of [`legendre_all`] times l(l+1)/2.
+/// No division by 1 − x²: exact at the ends, where P_l′(1) = l(l+1)/2. Accuracy: that of [`legendre_all`] times
+/// l(l+1)/2.
 ///
 /// # Panics
 /// If the slices differ in length.

@@ -4,9 +4,12 @@ use crate::{Error, Result};
 
 /// The `n`-point Gauss–Legendre rule on [−1, 1]: exact for polynomials up to degree 2n − 1.
 ///
-///   ∫ f ≈ Σ w_i f(x_i),  P_n(x_i) = 0,  w_i = 2 / ((1 − x_i²) P_n′(x_i)²)      [Abramowitz & Stegun 25.4.29]
+/// ```math
+/// ∫ f ≈ Σ w_i f(x_i),  P_n(x_i) = 0,  w_i = 2 / ((1 − x_i²) P_n′(x_i)²)      [Abramowitz & Stegun 25.4.29]
+/// ```
 ///
-/// Accuracy: published digits to 1e-15 (n = 5, 96); the weights sum to 2 within 1e-13 up to n = 512. Cost: n² multiplications to build.
+/// Accuracy: published digits to 1e-15 (n = 5, 96); the weights sum to 2 within 1e-13 up to n = 512. Cost: n²
+/// multiplications to build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussLegendre {
     nodes: Vec<f64>,

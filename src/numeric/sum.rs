@@ -34,7 +34,8 @@ impl FromIterator<f64> for CompensatedSum {
     }
 }
 
-/// Σ x² of numbers of any size: those whose squares would leave the range are summed apart, scaled by a power of two [Blue 1978].
+/// Σ x² of numbers of any size: those whose squares would leave the range are summed apart, scaled by a power of two
+/// [Blue 1978].
 ///
 /// The same bits as a plain sum where no square comes near the ends of the range. NaN makes it NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -166,7 +166,9 @@ fn between(pairs: &[(f64, f64)], x: f64) -> f64 {
 
 /// ∫ x^a y^b z^c dω over the unit sphere.
 ///
-///   4π (a−1)!! (b−1)!! (c−1)!! / (a+b+c+1)!!  if a, b, c are even, else 0      [Folland 2001]
+/// ```math
+/// 4π (a−1)!! (b−1)!! (c−1)!! / (a+b+c+1)!!  if a, b, c are even, else 0      [Folland 2001]
+/// ```
 pub fn monomial_integral(a: u32, b: u32, c: u32) -> f64 {
     if a % 2 == 1 || b % 2 == 1 || c % 2 == 1 {
         return 0.0;
@@ -185,7 +187,9 @@ pub fn monomial_integral(a: u32, b: u32, c: u32) -> f64 {
 
 /// The disk point of the local direction at polar angle θ and azimuth φ from +y towards +x.
 ///
-///   p = sinθ/√(1 + cosθ) · (sinφ, cosφ) = √2 sin(θ/2) · (sinφ, cosφ)      [Xu 2006 §5]
+/// ```math
+/// p = sinθ/√(1 + cosθ) · (sinφ, cosφ) = √2 sin(θ/2) · (sinφ, cosφ)      [Xu 2006 §5]
+/// ```
 pub fn hemisphere_point(theta: f64, phi: f64) -> [f64; 2] {
     let radius = 2f64.sqrt() * (theta / 2.0).sin();
     [radius * phi.sin(), radius * phi.cos()]

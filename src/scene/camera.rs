@@ -3,6 +3,7 @@
 use nalgebra::{UnitVector3, Vector3};
 
 use super::Mesh;
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// A pinhole camera in a right-handed world.
@@ -23,8 +24,8 @@ impl Camera {
     /// An `up` that is parallel to the view to 1e-6 is replaced by the world axis that is most across it.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for a vector that is not finite (index 0 eye, 1 target, 2 up), [`Error::OutOfRange`] if eye and target
-    /// coincide or unless 0 < `fov_y` < π.
+    /// [`Error::NotFinite`] for a vector that is not finite (index 0 eye, 1 target, 2 up), [`Error::OutOfRange`] if eye
+    /// and target coincide or unless 0 < `fov_y` < π.
     pub fn look_at(eye: Vector3<f64>, target: Vector3<f64>, up: Vector3<f64>, fov_y: f64) -> Result<Self> {
         let finite = |v: &Vector3<f64>| v.iter().all(|c| c.is_finite());
         if let Some(index) = [eye, target, up].iter().position(|v| !finite(v)) {
@@ -45,11 +46,12 @@ impl Camera {
 
     /// A camera that sees a whole mesh from the direction `view` (from the mesh to the camera).
     ///
-    /// It looks at the centre of the mesh's box from as near as every vertex of every face stays in the picture of the given
-    /// aspect ratio (width/height), with 4 % to spare.
+    /// It looks at the centre of the mesh's box from as near as every vertex of every face stays in the picture of the
+    /// given aspect ratio (width/height), with 4 % to spare.
     ///
     /// # Errors
-    /// Those of [`look_at`](Self::look_at); [`Error::OutOfRange`] for a zero `view` or unless `aspect` is positive and finite.
+    /// Those of [`look_at`](Self::look_at); [`Error::OutOfRange`] for a zero `view` or unless `aspect` is positive and
+    /// finite.
     pub fn framing(mesh: &Mesh, view: &Vector3<f64>, up: &Vector3<f64>, fov_y: f64, aspect: f64) -> Result<Self> {
         if !(aspect > 0.0 && aspect.is_finite()) {
             return Err(Error::OutOfRange { what: "aspect ratio", got: aspect, allowed: "positive and finite" });
@@ -66,7 +68,8 @@ impl Camera {
         let radius = if bounds.radius() > 0.0 { bounds.radius() } else { 1.0 };
         let camera = Self::look_at(centre + back * radius, centre, *up, fov_y)?;
         let half = (fov_y * 0.5).tan();
-        // A point at (x, y, z) from the centre, z towards the camera, is in the picture from distance d if |y| ≤ (d − z) tan.
+        // A point at (x, y, z) from the centre, z towards the camera, is in the picture from distance d if |y| ≤ (d −
+        // z) tan.
         let distance = mesh.faces().iter().flatten().fold(0.0_f64, |distance, &i| {
             let p = mesh.positions()[i as usize].cast::<f64>() - centre;
             let (x, y, z) = (camera.right.dot(&p).abs(), camera.up.dot(&p).abs(), back.dot(&p));
@@ -110,3 +113,5 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let largest = v.amax();
     (largest > 0.0 && largest.is_finite()).then(|| (v / largest).normalize())
 }
+
+approx_by_parts!([] Camera, f64, |c| close [[c.eye, c.right, c.up, c.forward], [c.fov_y]] same []);

@@ -60,10 +60,13 @@ impl std::fmt::Debug for TexelVisibility<'_> {
 
 /// The radiance of every vertex under distant light, summed over all texels.
 ///
-///   L_o(v) = Σ_t L_t V_t(v) f(wi_t, wo(v)) max(cos θ_t, 0) Ω_t
+/// ```math
+/// L_o(v) = Σ_t L_t V_t(v) f(wi_t, wo(v)) max(cos θ_t, 0) Ω_t
+/// ```
 ///
-/// in `f64`, through [`Brdf::eval`]. No approximation but the texels themselves: light, visibility and BRDF are constant
-/// over a texel, taken at its centre. Texels with V = 0 and texels below the horizon are passed over, which changes nothing.
+/// in `f64`, through [`Brdf::eval`]. No approximation but the texels themselves: light, visibility and BRDF are
+/// constant over a texel, taken at its centre. Texels with V = 0 and texels below the horizon are passed over, which
+/// changes nothing.
 ///
 /// Shapes: the result is one RGB a vertex. A vertex seen from behind is black, unless its BRDF does not
 /// depend on the view ([`View::outgoing`]).
@@ -88,8 +91,8 @@ impl GroundTruth<'_> {
     ///
     /// # Errors
     /// [`Error::Length`] if the light's grid is not the visibility's or the lists do not fit the mesh,
-    /// [`Error::NotFinite`] for a light texel, a visibility weight or a BRDF's value that is NaN or infinite (the index is then the
-    /// BRDF's in [`Materials::brdfs`]), [`Error::Cancelled`].
+    /// [`Error::NotFinite`] for a light texel, a visibility weight or a BRDF's value that is NaN or infinite (the index
+    /// is then the BRDF's in [`Materials::brdfs`]), [`Error::Cancelled`].
     pub fn radiance(&self, visibility: &TexelVisibility, progress: &dyn Progress) -> Result<Vec<Vector3<f64>>> {
         let vertices = self.mesh.positions().len();
         let texels = self.prepare(visibility, vertices)?;
@@ -211,7 +214,7 @@ struct Shading<'a> {
 
 impl<'a> Shading<'a> {
     fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
-        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.frame(vertex));
+        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.local_frame(vertex));
         let axes = Axes::new(&frame);
         let wo = axes.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
         Self { brdf, axes, wo }

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::approx_eq::approx_by_parts;
 use crate::numeric::CompensatedSum;
 use crate::{Error, Real, Result};
 
@@ -171,6 +172,8 @@ fn scaled_squares<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> (f64, f64)
     let squares: CompensatedSum = values().map(|x| (x / largest) * (x / largest)).collect();
     (largest, squares.total())
 }
+
+approx_by_parts!([] Comparison, f64, |c| close [[c.psnr_db, c.rel_l2, c.max_abs]] same []);
 
 #[cfg(test)]
 mod tests {

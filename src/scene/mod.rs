@@ -15,17 +15,17 @@ mod view;
 mod visibility;
 
 pub use brdf::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Merl, MerlLookup,
-    Phong, Structure, Sum, TabulatedBrdf, Ward,
+    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Lobe, Merl,
+    MerlLookup, Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
 #[allow(unused_imports, reason = "for those back ends that ask for them")]
-pub(crate) use brdf::{Axes, Cosine, Eval, Kernel, Reflectance, narrow};
+pub(crate) use brdf::{Axes, Kernel, KernelVisitor, Shape, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
 pub use ground_truth::{GroundTruth, TexelVisibility};
 pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
 pub use material::Materials;
-pub use mesh::{Bounds, Frame, Mesh, MeshRepair};
+pub use mesh::{Bounds, LocalFrame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
 pub use picture::Picture;
 pub use procedural::{Model, Procedural};

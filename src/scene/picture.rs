@@ -8,8 +8,9 @@ use crate::{Error, Result, parallel};
 
 /// Which vertices show in which pixels: a plan that turns colours of vertices into pictures.
 ///
-/// Rays are cast once, when the plan is built; every set of colours (a frame, a method, an error map) then costs one pass over the samples.
-/// Colours are linear RGB, interpolated over the faces; pixels are the mean of `samples`² regularly spaced rays (a box filter).
+/// Rays are cast once, when the plan is built; every set of colours (a frame, a method, an error map) then costs one
+/// pass over the samples. Colours are linear RGB, interpolated over the faces; pixels are the mean of `samples`²
+/// regularly spaced rays (a box filter).
 ///
 /// Cost: 16 B a ray.
 ///
@@ -31,7 +32,8 @@ pub struct Picture {
     samples: usize,
     camera: Camera,
     vertices: usize,
-    /// For every sample, pixel after pixel: the corners of the face and the weights of the first two; corner 0 = NOTHING: sky.
+    /// For every sample, pixel after pixel: the corners of the face and the weights of the first two; corner 0 =
+    /// NOTHING: sky.
     hits: Vec<([u32; 3], [f32; 2])>,
 }
 
@@ -81,7 +83,8 @@ impl Picture {
         self.size
     }
 
-    /// The pixels, row after row from the top left, of a colour for every vertex and one for the sky in every direction.
+    /// The pixels, row after row from the top left, of a colour for every vertex and one for the sky in every
+    /// direction.
     ///
     /// # Panics
     /// If there is not one colour a vertex.

@@ -16,7 +16,8 @@ impl Default for ToneMap {
 }
 
 impl ToneMap {
-    /// Radiance is multiplied by `exposure`; what then exceeds 1 is white. A factor that is NaN or negative counts as 0.
+    /// Radiance is multiplied by `exposure`; what then exceeds 1 is white. A factor that is NaN or negative counts as
+    /// 0.
     pub fn with_exposure(exposure: f32) -> Self {
         Self { exposure: exposure.max(0.0) }
     }
@@ -53,7 +54,9 @@ impl ToneMap {
 
 /// The sRGB transfer function of a linear value in [0, 1]      [IEC 61966-2-1]
 ///
-///   12.92 x for x ≤ 0.0031308, else 1.055 x^{1/2.4} − 0.055
+/// ```math
+/// 12.92 x for x ≤ 0.0031308, else 1.055 x^{1/2.4} − 0.055
+/// ```
 #[inline]
 pub fn linear_to_srgb(x: f32) -> f32 {
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
@@ -61,7 +64,9 @@ pub fn linear_to_srgb(x: f32) -> f32 {
 
 /// The inverse of [`linear_to_srgb`]      [IEC 61966-2-1]
 ///
-///   x / 12.92 for x ≤ 0.04045, else ((x + 0.055)/1.055)^2.4
+/// ```math
+/// x / 12.92 for x ≤ 0.04045, else ((x + 0.055)/1.055)^2.4
+/// ```
 #[inline]
 pub fn srgb_to_linear(x: f32) -> f32 {
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }

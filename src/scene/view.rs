@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::{Brdf, Frame};
+use super::{Brdf, LocalFrame};
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// Where the viewer is: at a point, or infinitely far away.
@@ -52,10 +53,10 @@ impl View {
 }
 
 impl View {
-    /// The direction in which the radiance of a vertex is asked for: to the viewer, or along the normal for a BRDF that does
-    /// not depend on it, so that a diffuse vertex has its colour wherever it is seen from.
+    /// The direction in which the radiance of a vertex is asked for: to the viewer, or along the normal for a BRDF that
+    /// does not depend on it, so that a diffuse vertex has its colour wherever it is seen from.
     #[inline]
-    pub fn outgoing(&self, brdf: &dyn Brdf, position: &Vector3<f32>, frame: &Frame) -> Vector3<f64> {
+    pub fn outgoing(&self, brdf: &dyn Brdf, position: &Vector3<f32>, frame: &LocalFrame) -> Vector3<f64> {
         if brdf.is_view_independent() { frame.normal.cast() } else { self.wo(position) }
     }
 }
@@ -95,3 +96,5 @@ fn check_finite(what: &'static str, v: &Vector3<f32>) -> Result<()> {
         None => Ok(()),
     }
 }
+
+approx_by_parts!([] View, f64, |v| close [v.parts().1] same [v.parts().0]);

@@ -57,7 +57,9 @@ pub enum Layout {
 ///
 /// Their basis functions are ours times a constant, taken in their coordinates of the direction:
 ///
-///   y'_{l,m}(ω) = k(l, m) y_{l,m}(A ω)
+/// ```math
+/// y'_{l,m}(ω) = k(l, m) y_{l,m}(A ω)
+/// ```
 ///
 /// k comes from `phase` and `normalization`, A from `axes`. A vector can hold two things, which scale inversely:
 ///
@@ -135,7 +137,8 @@ impl Convention {
     /// Filament's `cmgen --sh` and `CubemapSH::computeSH` without `irradiance`: [`SLOAN`](Self::SLOAN).
     ///
     /// With `irradiance` every degree is multiplied by A_l/π (1, 2/3, 1/4, …), the cosine's factor over π, as
-    /// [`Irradiance`](super::Irradiance) over π; what Filament's shader reads is [`DiffuseProbe::Filament`](super::DiffuseProbe::Filament).
+    /// [`Irradiance`](super::Irradiance) over π; what Filament's shader reads is
+    /// [`DiffuseProbe::Filament`](super::DiffuseProbe::Filament).
     pub const FILAMENT: Self = Self::SLOAN;
 
     /// 3D Gaussian splatting (`eval_sh`, `SH_C0` to `SH_C3`): [`SLOAN`](Self::SLOAN), up to 4 bands.
@@ -281,7 +284,9 @@ const FURSE_MALHAM: [&[f64]; 4] =
 /// A = S C W: W swaps x and y or does nothing, C moves the axes round in a ring or does nothing, S changes signs. W and
 /// S permute and negate coefficients:
 ///
-///   x → −x: φ → π − φ;  y → −y: φ → −φ;  z → −z: (−1)^{l+m};  x ↔ y: φ → π/2 − φ
+/// ```math
+/// x → −x: φ → π − φ;  y → −y: φ → −φ;  z → −z: (−1)^{l+m};  x ↔ y: φ → π/2 − φ
+/// ```
 ///
 /// and only C, which moves the pole, needs a rotation.
 #[track_caller]
@@ -334,7 +339,9 @@ fn swap_x_y<T: Real>(bands: usize, f: &mut [T]) {
 /// Coefficients of a real function in the complex orthonormal basis with Condon–Shortley phase (SciPy's `sph_harm_y`,
 /// quantum mechanics), index l(l+1) + m. SciPy's θ is the angle to +z, its φ runs from +x to +y.
 ///
-///   a_{l,0} = c_{l,0},  a_{l,m} = (−1)^m (c_{l,m} − i c_{l,−m})/√2,  a_{l,−m} = (−1)^m conj(a_{l,m})  (m > 0)
+/// ```math
+/// a_{l,0} = c_{l,0},  a_{l,m} = (−1)^m (c_{l,m} − i c_{l,−m})/√2,  a_{l,−m} = (−1)^m conj(a_{l,m})  (m > 0)
+/// ```
 ///
 /// from y_{l,±m} = √2 (−1)^m {Re, Im} Y_{l,m}; then Σ a Y = Σ c y.
 ///
@@ -360,7 +367,9 @@ pub fn to_complex<T: Real>(bands: usize, coefficients: &[T]) -> Vec<Complex<T>> 
 
 /// Coefficients of the real part of Σ a Y, from those in the complex basis of [`to_complex`], whose inverse it is.
 ///
-///   c_{l,m} = Re((−1)^m a_{l,m} + a_{l,−m})/√2,  c_{l,−m} = Im(a_{l,−m} − (−1)^m a_{l,m})/√2
+/// ```math
+/// c_{l,m} = Re((−1)^m a_{l,m} + a_{l,−m})/√2,  c_{l,−m} = Im(a_{l,−m} − (−1)^m a_{l,m})/√2
+/// ```
 ///
 /// # Panics
 /// If `coefficients.len()` is not bands².

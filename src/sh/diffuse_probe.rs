@@ -10,7 +10,9 @@ use crate::sphere::Axes;
 /// An engine wants E/π, the irradiance over π, of a normal n (so that radiance 1 from everywhere gives 1 and the shader
 /// multiplies by the albedo alone). In this crate's coefficients c of radiance
 ///
-///   E(n)/π = Σ a_l c_{l,m} y_{l,m}(n),   a_0, a_1, a_2 = 1, 2/3, 1/4   [Ramamoorthi & Hanrahan 2001]
+/// ```math
+/// E(n)/π = Σ a_l c_{l,m} y_{l,m}(n),   a_0, a_1, a_2 = 1, 2/3, 1/4   [Ramamoorthi & Hanrahan 2001]
+/// ```
 ///
 /// With y_{l,m} = k_{l,m} p_{l,m}, where p are the polynomials 1; y, z, x; xy, yz, 3z² − 1, xz, x² − y², engines keep:
 ///
@@ -51,7 +53,8 @@ impl DiffuseProbe {
         std::array::from_fn(|i| radiance[i] * T::of(self.factor(i)))
     }
 
-    /// What the engine keeps → coefficients of radiance in this crate. Inverse of [`from_radiance`](Self::from_radiance).
+    /// What the engine keeps → coefficients of radiance in this crate. Inverse of
+    /// [`from_radiance`](Self::from_radiance).
     pub fn to_radiance<T: Real>(self, stored: &[T; 9]) -> [T; 9] {
         std::array::from_fn(|i| stored[i] * T::of(1.0 / self.factor(i)))
     }

@@ -13,16 +13,22 @@
 //! |m|, at place 3, and the other two m₁, m₂ ≥ 0, so that M = m₁ + m₂, Gaunt's integral of complex harmonics (its
 //! Condon–Shortley sign (−1)^M taken out) gives
 //!
-//!   Γ = A (−1)^M √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M),   A the mean of c_{m₁} c_{m₂} c_{m₃} over φ.
+//! ```math
+//! Γ = A (−1)^M √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M),   A the mean of c_{m₁} c_{m₂} c_{m₃} over φ.
+//! ```
 //!
 //! Racah's sum for the second 3j symbol is, in binomials, with a = l₁+l₂−l₃, b = l₁−l₂+l₃, c = −l₁+l₂+l₃, J =
 //! l₁+l₂+l₃ = 2g,
 //!
-//!   (−1)^{l₁−l₂+M} S √(Π(l+m)!(l−m)! / (a! b! c! (J+1)!)),   S = Σ_k (−1)^k C(a, k) C(b, l₁−m₁−k) C(c, l₂+m₂−k),
+//! ```math
+//! (−1)^{l₁−l₂+M} S √(Π(l+m)!(l−m)! / (a! b! c! (J+1)!)),   S = Σ_k (−1)^k C(a, k) C(b, l₁−m₁−k) C(c, l₂+m₂−k),
+//! ```
 //!
 //! and the first is (−1)^g √(a! b! c!/(J+1)!) g!/((g−l₁)! (g−l₂)! (g−l₃)!). The roots of a! b! c! cancel:
 //!
-//!   Γ = A (−1)^{l₁−l₂+g} S · g!/Π(g−l)! · Π√((2l+1)/C(2l, l+m)) · √(Π(2l)!)/(J+1)! / √4π.
+//! ```math
+//! Γ = A (−1)^{l₁−l₂+g} S · g!/Π(g−l)! · Π√((2l+1)/C(2l, l+m)) · √(Π(2l)!)/(J+1)! / √4π.
+//! ```
 //!
 //! S and the multinomial are integers (|S| ≤ 2^J), exact in 128 bits up to J = 126; what is left is a product of
 //! positive numbers, without cancellation. Sources: [Sun 2008, §2.4]; the 3j symbols are Racah's.
@@ -199,7 +205,9 @@ pub(super) fn check_degrees(bands: [usize; 3]) -> Result<[usize; 3]> {
 
 /// Γ_ijk = ∫ y_i y_j y_k over the sphere, of three flat indices l(l+1)+m in any order.
 ///
-///   Γ = √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M) × sign and mean over azimuth     [Gaunt; Racah]
+/// ```math
+/// Γ = √(Π(2l+1)/4π) (l₁ l₂ l₃; 0 0 0) (l₁ l₂ l₃; m₁ m₂ −M) × sign and mean over azimuth     [Gaunt; Racah]
+/// ```
 ///
 /// Zeros are exact, the accidental ones too; the same value in any order of the indices, and in the convention with the
 /// Condon–Shortley phase. Accuracy: 2e-15 relative (some fifteen roundings), tested so against 20-digit values below 8

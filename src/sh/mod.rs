@@ -1,19 +1,19 @@
 //! Spherical harmonics: basis, projection, rotation, products, exponentials and logarithms, zonal functions, lights.
 //!
 //! A function on the sphere is f = Σ c_i y_i with the real, orthonormal basis *without* the Condon–Shortley phase, so
-//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands` n
-//! holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max + 1.)
-//! Other signs, scales, layouts and axes, with presets by project: [`Convention`], [`to_complex`] and, for what game engines
-//! keep of an environment, [`DiffuseProbe`].
+//! y_{1,−1}, y_{1,0}, y_{1,1} = √(3/4π)·(y, z, x). Coefficient i = l(l+1) + m is degree l, order m ([`index`]); `bands`
+//! n holds the degrees 0…n−1, n² coefficients. (A paper's "order n" is `bands` n; its "degree up to l_max" is l_max +
+//! 1.) Other signs, scales, layouts and axes, with presets by project: [`Convention`], [`to_complex`] and, for what
+//! game engines keep of an environment, [`DiffuseProbe`].
 //!
 //! | you have | you want | use |
 //! |---|---|---|
 //! | one direction | all y_i | [`Basis::eval`] |
-//! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_rows`], [`Basis::eval_points`] |
+//! | many directions | all y_i, a row for each coefficient or for each point | [`Basis::eval_batch`], [`Basis::eval_points`] |
 //! | coefficients, many directions | f there | [`Basis::reconstruct`], which stores no basis values |
 //! | weighted samples | Σ w y_i, all channels in one pass | [`Basis::accumulate`] |
-//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_rows`] |
-//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_rows`] |
+//! | a direction | tangent gradients of all y_i | [`Basis::gradient`], [`Basis::gradient_batch`] |
+//! | a direction | their Hessians on the sphere | [`Basis::hessian`], [`Basis::hessian_batch`] |
 //! | a function | ∫ f y_i, exact for polynomials; by random directions with its error | [`project_fn`], [`monte_carlo`] |
 //! | a cube map, a latitude–longitude map | its coefficients | [`CubeProjection`], [`LatLongProjection`] |
 //! | coefficients | the map | [`CubeReconstruction`], [`LatLongReconstruction`] |

@@ -200,7 +200,9 @@ impl CubeGrid {
 
     /// The exact solid angle of the texel (x, y) of any face, in steradians.
     ///
-    ///   Ω = g(x₁, y₁) − g(x₀, y₁) − g(x₁, y₀) + g(x₀, y₀),  g(x, y) = atan2(xy, √(x² + y² + 1))
+    /// ```math
+    /// Ω = g(x₁, y₁) − g(x₀, y₁) − g(x₁, y₀) + g(x₀, y₀),  g(x, y) = atan2(xy, √(x² + y² + 1))
+    /// ```
     ///
     /// over the texel's corners on the face [−1, 1]² at distance 1. Accuracy: eps absolute, against golden values.
     ///

@@ -6,8 +6,10 @@ use crate::numeric::safe_sqrt;
 
 /// The equal-area map between local directions (+z is the normal) and a disk.
 ///
-///   p = (d_x, d_y)/√(1 + d_z),  |p|² = 1 − d_z,  dA = ½ dω          [Xu 2006 §5, the factor ½ made explicit]
-///   d = (x √(2 − ρ²), y √(2 − ρ²), 1 − ρ²),  ρ² = x² + y²
+/// ```math
+/// p = (d_x, d_y)/√(1 + d_z),  |p|² = 1 − d_z,  dA = ½ dω          [Xu 2006 §5, the factor ½ made explicit]
+/// d = (x √(2 − ρ²), y √(2 − ρ²), 1 − ρ²),  ρ² = x² + y²
+/// ```
 ///
 /// The upper hemisphere is the unit disk; directions below the horizon follow on 1 < ρ < √2, and the nadir is the whole
 /// circle ρ = √2. Shapes are stretched along the circles ρ = const by 1/cos²(θ/2): 1 at the zenith, 2 at the horizon.

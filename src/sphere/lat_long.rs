@@ -10,7 +10,9 @@ use crate::{Error, Result};
 
 /// The pixel grid of a latitude–longitude map.
 ///
-///   u = ½ + atan2(x, −z)/2π,  v = acos(y)/π
+/// ```math
+/// u = ½ + atan2(x, −z)/2π,  v = acos(y)/π
+/// ```
 ///
 /// The image's centre looks along −z with +x to its right; v = 0, the top, is +y. Pixels are stored row after row from
 /// the top left: index = row · width + column.
@@ -87,7 +89,8 @@ impl LatLongGrid {
         (0.5 + d.x.atan2(-d.z) / (2.0 * PI), d.x.hypot(d.z).atan2(d.y) / PI)
     }
 
-    /// The unit direction of the image point (u, v), which go on around outside [0, 1]; NaN where an angle 2πu or πv is not finite.
+    /// The unit direction of the image point (u, v), which go on around outside [0, 1]; NaN where an angle 2πu or πv is
+    /// not finite.
     #[inline]
     pub fn point(u: f64, v: f64) -> UnitVector3<f64> {
         let ((sin_u, cos_u), (sin_v, cos_v)) = ((2.0 * PI * (u - 0.5)).sin_cos(), (PI * v).sin_cos());
@@ -116,7 +119,9 @@ impl LatLongGrid {
 
     /// The exact solid angle of every pixel of a row, in steradians.
     ///
-    ///   Ω = 2π/W · (cos πr/H − cos π(r + 1)/H) = 4π/W · sin(π(2r + 1)/2H) sin(π/2H)
+    /// ```math
+    /// Ω = 2π/W · (cos πr/H − cos π(r + 1)/H) = 4π/W · sin(π(2r + 1)/2H) sin(π/2H)
+    /// ```
     ///
     /// # Panics
     /// If there is no such row.

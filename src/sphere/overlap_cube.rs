@@ -2,7 +2,9 @@
 //!
 //! Great circles are straight lines on a cube face, so the overlap is a convex polygon: the quadrilateral is clipped to
 //! each face's pyramid, then to columns, then to rows, and the triangles of its fan are measured on the sphere by
-//!   tan(E/2) = p·(q × r)/(|p||q||r| + (p·q)|r| + (q·r)|p| + (r·p)|q|)          [Van Oosterom & Strackee 1983]
+//! ```math
+//! tan(E/2) = p·(q × r)/(|p||q||r| + (p·q)|r| + (q·r)|p| + (r·p)|q|)          [Van Oosterom & Strackee 1983]
+//! ```
 //! where p·(q × r) is twice the planar area, free of cancellation.
 
 use nalgebra::Vector3;

@@ -1,12 +1,14 @@
 //! Exact solid angles that a spherical quadrilateral shares with the pixels of a latitude–longitude grid.
 //!
-//! In azimuth φ and height s = sin(elevation) the sphere's area is dφ ds: pixels are rectangles, and by Green's theorem a
-//! region's share of them follows from its boundary alone, as a font rasteriser fills a glyph. An edge of a cube texel is
-//! an arc of a great circle, whatever the rotation, and along it ∫ s dφ has a closed form.
+//! In azimuth φ and height s = sin(elevation) the sphere's area is dφ ds: pixels are rectangles, and by Green's theorem
+//! a region's share of them follows from its boundary alone, as a font rasteriser fills a glyph. An edge of a cube
+//! texel is an arc of a great circle, whatever the rotation, and along it ∫ s dφ has a closed form.
 //!
 //! With unit normal n = (horizontal n_h, vertical n_s > 0) and t the angle from the circle's highest point,
-//!   s = n_h cos t,  tan α = sin t/(n_s cos t),  α = φ − φ of the highest point
-//!   ∫ s dφ = F = atan(n_h sin t/n_s)
+//! ```math
+//! s = n_h cos t,  tan α = sin t/(n_s cos t),  α = φ − φ of the highest point
+//! ∫ s dφ = F = atan(n_h sin t/n_s)
+//! ```
 //! because dα/dt = n_s/(n_s² cos²t + sin²t) and the denominator is n_s² + n_h² sin²t.
 //!
 //! Neighbouring quadrilaterals walk their common edge in opposite directions, so all shares of a pixel sum to its solid
@@ -61,7 +63,8 @@ impl TexelQuads {
     }
 }
 
-/// What one piece of a boundary adds to its column of pixels: `inside` to its own pixel, `above` · height to those above.
+/// What one piece of a boundary adds to its column of pixels: `inside` to its own pixel, `above` · height to those
+/// above.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
     /// Column, then row from the bottom up: the order in which columns are summed.
@@ -356,7 +359,8 @@ mod tests {
             let (grid, boxed) = (LatLongGrid::new(width, height).unwrap(), CubeGrid::new(side).unwrap());
             for turn in &turns {
                 let worst = worst_sums(grid, boxed, turn);
-                // Each of some tens of pieces a sum is right to a few eps of the terms it is made of, which are below π.
+                // Each of some tens of pieces a sum is right to a few eps of the terms it is made of, which are below
+                // π.
                 assert!(worst[0] < 1e-14 && worst[1] < 3e-14, "{width}×{height}, {side}, {turn:?}: {worst:?}");
             }
         }

@@ -78,7 +78,9 @@ impl SphereQuadrature {
 
 /// `n` directions spread evenly over the sphere, the same on every call (a Fibonacci lattice).
 ///
-///   z_i = 1 − (2i + 1)/n,  φ_i = 2π i/Φ,  Φ the golden ratio
+/// ```math
+/// z_i = 1 − (2i + 1)/n,  φ_i = 2π i/Φ,  Φ the golden ratio
+/// ```
 ///
 /// Each stands for 4π/n steradians. The set has no symmetry, so it also probes off every axis and pole. Memory: 24
 /// bytes each.

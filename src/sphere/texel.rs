@@ -86,33 +86,10 @@ scalar_texel!(f64);
 /// `approx` for a map: one grid, and texels that are close.
 macro_rules! approx_by_texels {
     ($map:ident, $texels:ident) => {
-        impl<P: Texel + approx::AbsDiffEq> approx::AbsDiffEq for $map<P>
-        where
-            P::Epsilon: Copy,
-        {
-            type Epsilon = P::Epsilon;
-
-            fn default_epsilon() -> Self::Epsilon {
-                P::default_epsilon()
-            }
-
-            fn abs_diff_eq(&self, other: &Self, epsilon: Self::Epsilon) -> bool {
-                self.grid == other.grid && self.$texels[..].abs_diff_eq(&other.$texels[..], epsilon)
-            }
-        }
-
-        impl<P: Texel + approx::RelativeEq> approx::RelativeEq for $map<P>
-        where
-            P::Epsilon: Copy,
-        {
-            fn default_max_relative() -> Self::Epsilon {
-                P::default_max_relative()
-            }
-
-            fn relative_eq(&self, other: &Self, epsilon: Self::Epsilon, max_relative: Self::Epsilon) -> bool {
-                self.grid == other.grid && self.$texels[..].relative_eq(&other.$texels[..], epsilon, max_relative)
-            }
-        }
+        crate::approx_eq::approx_by_parts!(
+            [P: Texel + approx::RelativeEq + approx::UlpsEq + approx::AbsDiffEq<Epsilon: Copy>] $map<P>,
+            P, |m| close [&m.$texels] same [m.grid]
+        );
     };
 }
 pub(super) use approx_by_texels;

@@ -44,10 +44,10 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// [`compress::BinaryMaps`](crate::compress::BinaryMaps).
-    BinaryMaps: b"MAPB", version 1, "binary maps";
-    /// [`compress::GrayMaps`](crate::compress::GrayMaps).
-    GrayMaps: b"MAPG", version 1, "gray maps";
+    /// [`compress::CodedBinaryMaps`](crate::compress::CodedBinaryMaps).
+    CodedBinaryMaps: b"MAPB", version 1, "binary maps";
+    /// [`compress::CodedGrayMaps`](crate::compress::CodedGrayMaps).
+    CodedGrayMaps: b"MAPG", version 1, "gray maps";
     /// [`compress::Biclustering`](crate::compress::Biclustering).
     Biclustering: b"BICL", version 1, "a biclustering";
     /// [`compress::Pca`](crate::compress::Pca).
@@ -75,7 +75,8 @@ impl Kind {
     /// What a file holds. Its header is read and nothing else.
     ///
     /// # Errors
-    /// [`Error::File`](crate::Error::File) if it cannot be read, is none of this crate's, or of a kind that this build does not know.
+    /// [`Error::File`](crate::Error::File) if it cannot be read, is none of this crate's, or of a kind that this build
+    /// does not know.
     pub fn of(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut file = std::fs::File::open(path).map_err(|e| file_error(path, "", format!("cannot be opened: {e}")))?;

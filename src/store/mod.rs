@@ -1,21 +1,21 @@
 //! The form in which this crate keeps on disk what took long to compute: one file, one object.
 //!
-//! [`Stored`] saves and loads everything that has such a form: components, clustered components, biclusterings, run-coded maps and
-//! quantised numbers of [`compress`](crate::compress), and the transports of the back ends. [`Kind`] lists them, and [`Kind::of`] says
-//! what a file holds.
+//! [`Stored`] saves and loads everything that has such a form: components, clustered components, biclusterings,
+//! run-coded maps and quantised numbers of [`compress`](crate::compress), and the transports of the back ends. [`Kind`]
+//! lists them, and [`Kind::of`] says what a file holds.
 //!
 //! ```text
 //! "haarmonic\0"  10 bytes      kind  4 ASCII letters      version of the kind  u32
 //! sections: tag  4 ASCII letters      length  u64      that many bytes
 //! "END."      length 4, as u64      CRC-32 of everything before the CRC  u32
 //! ```
-//! Numbers are little-endian. A section is a list of numbers, in an order that its kind fixes. A reader takes the sections of its kind
-//! in their order. It skips a section that it does not know if the first letter of the tag is a small one, and refuses it otherwise: so
-//! later versions of this crate can add what is of use without being needed.
+//! Numbers are little-endian. A section is a list of numbers, in an order that its kind fixes. A reader takes the
+//! sections of its kind in their order. It skips a section that it does not know if the first letter of the tag is a
+//! small one, and refuses it otherwise: so later versions of this crate can add what is of use without being needed.
 //!
-//! A file that is cut short, followed by more, damaged in any bit, of another kind or version, or inconsistent in itself is an
-//! [`Error::File`] with the file and the byte. Arrays are read in pieces: a length that lies fails at the end of the file and not in
-//! the allocator.
+//! A file that is cut short, followed by more, damaged in any bit, of another kind or version, or inconsistent in
+//! itself is an [`Error::File`] with the file and the byte. Arrays are read in pieces: a length that lies fails at the
+//! end of the file and not in the allocator.
 
 mod kind;
 mod reader;

@@ -12,8 +12,8 @@ fn signed(magnitude: impl Strategy<Value = f64>) -> impl Strategy<Value = f64> {
     (any::<bool>(), magnitude).prop_map(|(negative, x)| if negative { -x } else { x })
 }
 
-/// Any map: the identity and the mirror; scales of ordinary size, tiny, huge and at the ends of what is allowed; dyadic numbers
-/// ([`dyadic_map`]); sources that fall outside [0, 1], or touch it at a point.
+/// Any map: the identity and the mirror; scales of ordinary size, tiny, huge and at the ends of what is allowed; dyadic
+/// numbers ([`dyadic_map`]); sources that fall outside [0, 1], or touch it at a point.
 pub fn affine_map() -> BoxedStrategy<AffineMap> {
     // The source point x is seen at v, so that something is there to be seen.
     let aimed = |logs: std::ops::Range<f64>| {

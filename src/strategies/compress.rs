@@ -5,7 +5,8 @@ use proptest::prelude::*;
 
 use crate::compress::SparseMatrix;
 
-/// A binary map of `len` values: long runs, noise, alternating, one value out of line (first and last among them), constant.
+/// A binary map of `len` values: long runs, noise, alternating, one value out of line (first and last among them),
+/// constant.
 pub fn run_map(len: usize) -> BoxedStrategy<Vec<bool>> {
     let longest = (len / 4).max(1);
     let runs = (any::<bool>(), vec(1..=longest, len / longest + 1..=len + 1)).prop_map(move |(first, runs)| {
@@ -33,8 +34,9 @@ pub fn level_map(len: usize, top: u8) -> impl Strategy<Value = Vec<u8>> {
     prop_oneof![two.prop_map(|(map, a, b)| map.into_iter().map(|v| if v { a } else { b }).collect()), vec(0..=top, len),]
 }
 
-/// A matrix of integer levels with structure to find: up to five rectangles of random rows and columns, constant along the rows, that may overlap, and
-/// some levels changed. Shapes from 0 × 0 to `max_rows` × `max_columns`; also all zero, all equal, and without structure.
+/// A matrix of integer levels with structure to find: up to five rectangles of random rows and columns, constant along
+/// the rows, that may overlap, and some levels changed. Shapes from 0 × 0 to `max_rows` × `max_columns`; also all zero,
+/// all equal, and without structure.
 ///
 /// Levels are small; the scale is 1/4 or 1/16, as visibility sampled 2 × 2 and 4 × 4 times has it.
 pub fn block_matrix(max_rows: usize, max_columns: usize) -> impl Strategy<Value = SparseMatrix> {
@@ -72,8 +74,9 @@ fn dense_blocks(rows: usize, columns: usize) -> BoxedStrategy<Vec<i32>> {
     .boxed()
 }
 
-/// Rows of numbers around 1 in magnitude: mean + Σ weights · directions + noise, of rank 0 to `columns`, the noise 0 (exactly low rank, but for rounding),
-/// small or all there is. 1 to `max_rows` rows of 1 to `max_columns`; repeated rows, equal rows, zeros.
+/// Rows of numbers around 1 in magnitude: mean + Σ weights · directions + noise, of rank 0 to `columns`, the noise 0
+/// (exactly low rank, but for rounding), small or all there is. 1 to `max_rows` rows of 1 to `max_columns`; repeated
+/// rows, equal rows, zeros.
 pub fn low_rank_rows(max_rows: usize, max_columns: usize) -> impl Strategy<Value = Vec<Vec<f64>>> {
     (1..=max_rows, 1..=max_columns).prop_flat_map(|(rows, columns)| flat_rows(rows, columns))
 }
@@ -101,7 +104,8 @@ fn flat_rows(rows: usize, columns: usize) -> BoxedStrategy<Vec<Vec<f64>>> {
     .boxed()
 }
 
-/// Rows in one to `max_clusters` groups, each around a place of its own and flat in its own way as in [`low_rank_rows`], in mixed order.
+/// Rows in one to `max_clusters` groups, each around a place of its own and flat in its own way as in
+/// [`low_rank_rows`], in mixed order.
 pub fn clustered_rows(
     max_clusters: usize,
     max_rows: usize,

@@ -11,7 +11,8 @@ pub fn power_of_two(max_log: u32) -> impl Strategy<Value = usize> + Clone {
     (0..=max_log).prop_map(|log| 1 << log)
 }
 
-/// A signal of `len` samples: ordinary numbers in [−1, 1], high dynamic range, huge, tiny, binary, constant, one-hot or zero.
+/// A signal of `len` samples: ordinary numbers in [−1, 1], high dynamic range, huge, tiny, binary, constant, one-hot or
+/// zero.
 ///
 /// Huge is up to 2^−24 of the largest number, so that sums of a test still fit; tiny down to the smallest normal one.
 pub fn signal<T: Real>(len: usize) -> BoxedStrategy<Vec<T>> {

@@ -5,6 +5,8 @@
 //! scalar's range, poles, face edges and degenerate rotations. None generates NaN or infinity.
 
 mod affine;
+#[cfg(feature = "block_product")]
+mod backend;
 mod compress;
 mod haar;
 #[cfg(feature = "scene")]
@@ -14,10 +16,12 @@ mod sphere;
 mod table;
 
 pub use affine::{affine_map, dyadic_map};
+#[cfg(feature = "block_product")]
+pub use backend::block_layout;
 pub use compress::{block_matrix, clustered_rows, level_map, low_rank_rows, run_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
-pub use scene::{procedural, triangle_soup};
-pub use sh::{discs, sh_vector, sh_visibility};
+pub use scene::{brdf, procedural, triangle_soup};
+pub use sh::{discs, sh_vector, sh_visibility, spherical_polygon, zonal};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
 pub use table::{outside, rectangle, visibility_map};

@@ -1,9 +1,11 @@
 //! Strategies for [`scene`](crate::scene).
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-use crate::scene::{Mesh, Procedural};
+use crate::scene::{AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Mesh, Phong, Procedural, Sum, Ward};
 
 /// A mesh of up to `faces` faces between random points: crossing, double and degenerate ones included.
 ///
@@ -24,4 +26,62 @@ pub fn triangle_soup(faces: usize) -> impl Strategy<Value = Mesh> {
 /// Any of the built-in scenes.
 pub fn procedural() -> impl Strategy<Value = Procedural> {
     prop::sample::select(Procedural::ALL.to_vec())
+}
+
+/// A reflectance in RGB: any, grey, white, black, or of one channel.
+fn albedo() -> impl Strategy<Value = Vector3<f64>> {
+    prop_oneof![
+        3 => prop::array::uniform3(0.0..=1.0_f64).prop_map(Vector3::from),
+        1 => (0.0..=1.0_f64).prop_map(Vector3::repeat),
+        1 => Just(Vector3::repeat(1.0)),
+        1 => Just(Vector3::zeros()),
+        1 => (0..3_usize).prop_map(|channel| Vector3::ith(channel, 1.0)),
+    ]
+}
+
+fn exponent() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        3 => (0.0..14.0_f64).prop_map(f64::exp2),
+        1 => 0.0..1.0_f64,
+        1 => prop::sample::select(vec![0.0, 1.0, 1e7]),
+    ]
+}
+
+fn roughness() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        3 => (-7.0..0.0_f64).prop_map(f64::exp2),
+        1 => 0.99..=1.0_f64,
+        1 => prop::sample::select(vec![1e-4, 1.0]),
+    ]
+}
+
+/// α along the tangent and the bitangent, equal half of the time.
+fn roughnesses() -> impl Strategy<Value = (f64, f64)> {
+    (roughness(), roughness(), any::<bool>()).prop_map(|(x, y, is_equal)| (x, if is_equal { x } else { y }))
+}
+
+/// Any model of [`scene`](crate::scene) that is given by numbers, or a weighted sum of one to three of them, sums among
+/// them. All are reciprocal.
+///
+/// Exponents of 0, below 1, 1, up to 2^14 and the largest, 1e7; roughness of 1e-4, the smallest, near 1 and 1, the same
+/// in both directions or not; colours that are any, grey, white, black or of one channel; weights of a sum from 0 to 2.
+pub fn brdf() -> BoxedStrategy<Arc<dyn Brdf>> {
+    fn shared(brdf: crate::Result<impl Brdf + 'static>) -> Arc<dyn Brdf> {
+        Arc::new(brdf.expect("the strategy stays in range"))
+    }
+    let ashikhmin = (albedo(), albedo(), exponent(), exponent());
+    let model = prop_oneof![
+        1 => albedo().prop_map(|c| shared(Lambert::new(c))),
+        2 => (albedo(), exponent()).prop_map(|(c, n)| shared(Phong::new(c, n))),
+        2 => (albedo(), exponent()).prop_map(|(c, n)| shared(BlinnPhong::new(c, n))),
+        2 => (albedo(), roughnesses()).prop_map(|(c, (x, y))| shared(Ward::new(c, x, y))),
+        2 => (albedo(), roughnesses()).prop_map(|(c, (x, y))| shared(CookTorrance::new(c, x, y))),
+        2 => ashikhmin.prop_map(|(d, s, u, v)| shared(AshikhminShirley::new(d, s, u, v))),
+    ];
+    let weight = prop_oneof![3 => 0.0..=2.0_f64, 1 => Just(0.0), 1 => Just(1.0)];
+    model
+        .prop_recursive(2, 9, 3, move |term| {
+            prop::collection::vec((weight.clone(), term), 1..=3).prop_map(|terms| shared(Sum::new(terms)))
+        })
+        .boxed()
 }

@@ -27,8 +27,8 @@ pub fn direction() -> BoxedStrategy<UnitVector3<f64>> {
     prop_oneof![4 => anywhere, 2 => exact, 1 => beside].boxed()
 }
 
-/// A rotation: any, none, quarter and half turns about the axes, half turns about any axis, those of the cube without rounding, turns by
-/// almost nothing, and those that almost keep or reverse the z axis.
+/// A rotation: any, none, quarter and half turns about the axes, half turns about any axis, those of the cube without
+/// rounding, turns by almost nothing, and those that almost keep or reverse the z axis.
 pub fn rotation() -> BoxedStrategy<Rotation3<f64>> {
     let about = |angle: BoxedStrategy<f64>| {
         (direction(), angle).prop_map(|(axis, angle)| Rotation3::from_axis_angle(&axis, angle))

@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use crate::table::{Outside, Rectangle};
 
-/// A binary map of width × height pixels, row-major: half-planes, wedges, disks, stripes, noise dense and sparse, a single pixel, or all
-/// alike; each of them or its negative.
+/// A binary map of width × height pixels, row-major: half-planes, wedges, disks, stripes, noise dense and sparse, a
+/// single pixel, or all alike; each of them or its negative.
 pub fn visibility_map(width: usize, height: usize) -> BoxedStrategy<Vec<bool>> {
     let size = [width as f64, height as f64];
     let fill = move |inside: Box<dyn Fn(f64, f64) -> bool>| -> Vec<bool> {

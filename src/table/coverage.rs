@@ -47,7 +47,9 @@ pub fn linear_coverage(distance: f64, edge: f64) -> f64 {
 /// Coverage of a square by a half-plane.
 ///
 /// With a ≥ b ≥ 0 the absolute components of its unit normal and t = 2|D|/e,
-///   1 − C = ½ − t/(2a) for t ≤ a − b,  (a + b − t)²/(8ab) up to a + b,  then 0;   C(−D) = 1 − C(D).
+/// ```math
+/// 1 − C = ½ − t/(2a) for t ≤ a − b,  (a + b − t)²/(8ab) up to a + b,  then 0;   C(−D) = 1 − C(D).
+/// ```
 ///
 /// `normal` points to the visible side; its length and sign do not matter, and 0 gives [`mean_coverage`]. Infinite
 /// components outweigh finite ones and each other not at all. A distance and an edge that are both infinite give NaN.
@@ -90,7 +92,9 @@ fn in_range([x, y]: [f64; 2]) -> [f64; 2] {
 ///
 /// With t = 2|D|/e ≤ √2 and m = √(2 − t²), by integrating acos(t/ρ)/π, the share of directions in which a point at
 /// distance ρ is beyond the line, over the square:
-///   1 − C = (acos(t/√2) − 2t ln(1 + m) + (1 + t²) ln((t + m)/√2) − ½(1 − t)² ln|1 − t²|)/π
+/// ```math
+/// 1 − C = (acos(t/√2) − 2t ln(1 + m) + (1 + t²) ln((t + m)/√2) − ½(1 − t)² ln|1 − t²|)/π
+/// ```
 ///
 /// e ≤ 0 gives 0, ½ or 1 by the sign of D; NaN gives NaN. Accuracy: some ε.
 #[inline]

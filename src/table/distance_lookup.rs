@@ -2,7 +2,8 @@
 
 use super::binary_map::BinaryMap;
 use super::coverage::{self, Coverage};
-use super::visibility_distance::{Frame, VisibilityDistancePlan, VisibilityDistanceScratch};
+use super::visibility_distance::{Border, VisibilityDistancePlan, VisibilityDistanceScratch};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Result};
 
@@ -13,7 +14,7 @@ use crate::{Error, Result};
 pub struct VisibilityDistanceRef<'a> {
     width: usize,
     height: usize,
-    frame: Frame,
+    border: Border,
     distances: &'a [f32],
 }
 
@@ -34,7 +35,7 @@ impl<'a> VisibilityDistanceRef<'a> {
     pub fn new(plan: &VisibilityDistancePlan, distances: &'a [f32]) -> Self {
         check_length("distances", plan.len(), distances.len());
         assert!(!distances.is_empty(), "a distance table to look up in is empty");
-        Self { width: plan.width(), height: plan.height(), frame: plan.frame(), distances }
+        Self { width: plan.width(), height: plan.height(), border: plan.border(), distances }
     }
 
     /// The entries, row by row.
@@ -45,7 +46,7 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// D at a point, bilinear between the centres of pixels.
     ///
-    /// Beyond the outermost centres it is held ([`Frame::Open`]), or falls by the distance to them ([`Frame::Zero`]):
+    /// Beyond the outermost centres it is held ([`Border::Open`]), or falls by the distance to them ([`Border::Zero`]):
     /// there is nothing to see outside. NaN gives NaN.
     #[inline]
     pub fn at(&self, point: [f64; 2]) -> f64 {
@@ -63,7 +64,7 @@ impl<'a> VisibilityDistanceRef<'a> {
 
     /// The visible share of a square of edge `edge` around a point, from one look-up.  [Xu 2006 eq. 9, corrected]
     ///
-    /// An infinite centre is beyond the frame, with all that follows of it; NaN gives NaN.
+    /// An infinite centre is beyond the border, with all that follows of it; NaN gives NaN.
     /// Accuracy: see docs/table.md for each form; none sees what is thinner than the square, where a
     /// [`SummedArea`](crate::table::SummedArea) of the map does.
     #[inline]
@@ -90,7 +91,7 @@ impl<'a> VisibilityDistanceRef<'a> {
         if u.within.is_nan() || v.within.is_nan() {
             gradient = [f64::NAN; 2];
         }
-        if self.frame == Frame::Zero {
+        if self.border == Border::Zero {
             let away = u.beyond.hypot(v.beyond);
             if away > 0.0 {
                 distance -= away;
@@ -136,10 +137,10 @@ fn axis(x: f64, size: usize) -> Between {
 /// # Example
 /// ```
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// use haarmonic::table::{Coverage, Frame, VisibilityDistance};
+/// use haarmonic::table::{Coverage, Border, VisibilityDistance};
 /// // The left half is visible; so is a quarter of a square that reaches that far into it.
 /// let map: Vec<bool> = (0..64).map(|i| i % 8 < 4).collect();
-/// let table = VisibilityDistance::new([8, 8], map.as_slice(), Frame::Open)?;
+/// let table = VisibilityDistance::new([8, 8], map.as_slice(), Border::Open)?;
 /// assert_eq!(table.as_ref().at([4.5, 4.0]), -0.5);
 /// assert_eq!(table.as_ref().coverage([4.5, 4.0], 2.0, Coverage::Gradient), 0.25);
 /// # Ok(())
@@ -148,7 +149,7 @@ fn axis(x: f64, size: usize) -> Between {
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisibilityDistance {
     size: [usize; 2],
-    frame: Frame,
+    border: Border,
     distances: Vec<f32>,
 }
 
@@ -158,8 +159,8 @@ impl VisibilityDistance {
     /// # Errors
     /// Those of [`VisibilityDistancePlan::new`]; [`Error::Empty`] if the map has no pixels; [`Error::Length`] if its
     /// length is not that of its size (see [`BinaryMap`]).
-    pub fn new<'m>(size: [usize; 2], map: impl Into<BinaryMap<'m>>, frame: Frame) -> Result<Self> {
-        let plan = VisibilityDistancePlan::new(size[0], size[1], frame)?;
+    pub fn new<'m>(size: [usize; 2], map: impl Into<BinaryMap<'m>>, border: Border) -> Result<Self> {
+        let plan = VisibilityDistancePlan::new(size[0], size[1], border)?;
         let map = map.into();
         if plan.len() == 0 {
             return Err(Error::Empty { what: "binary map" });
@@ -167,13 +168,15 @@ impl VisibilityDistance {
         map.length_error(plan.len(), 1)?;
         let mut distances = vec![0.0; plan.len()];
         plan.distances(map, &mut distances, &mut VisibilityDistanceScratch::default());
-        Ok(Self { size, frame, distances })
+        Ok(Self { size, border, distances })
     }
 
     /// The table to look up in.
     #[inline]
     pub fn as_ref(&self) -> VisibilityDistanceRef<'_> {
         let [width, height] = self.size;
-        VisibilityDistanceRef { width, height, frame: self.frame, distances: &self.distances }
+        VisibilityDistanceRef { width, height, border: self.border, distances: &self.distances }
     }
 }
+
+approx_by_parts!([] VisibilityDistance, f32, |t| close [&t.distances] same [t.size, t.border]);

@@ -6,7 +6,9 @@
 //! this row, odd, from the runs of equal pixels of that column; it is g(k) = max(0, 2|k| − 1) away along the row, k =
 //! x − x′, if the strip of the column is meant with its two sides. With the vertical pieces of boundary in this row
 //! itself,
-//!   d² = min(min_x′ g(x − x′)² + V(x′)², min_e (2|x − e|)²),   e the places of those pieces.
+//! ```math
+//! d² = min(min_x′ g(x − x′)² + V(x′)², min_e (2|x − e|)²),   e the places of those pieces.
+//! ```
 //! It does not matter on which side of the boundary x′ lies: each candidate is a point of the boundary.
 //!
 //! Two ways to the minimum. Near candidates: for k = 1, 2, … the row shifted by k, in vectors, until nothing can be
@@ -66,7 +68,7 @@ const NONE: u16 = 0x7fff;
 /// The square of what is too far for 16 bits, or is not there.
 const FAR: u16 = u16::MAX;
 
-/// What lies around a map: an open frame is no boundary, a closed one is a ring of zeros.
+/// What lies around a map: an open border is no boundary, a closed one is a ring of zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ring {
     Open,
@@ -153,7 +155,7 @@ impl Buffers {
         }
     }
 
-    /// The row outside the map: zeros, or, if the frame is no boundary, pixels like those of row y.
+    /// The row outside the map: zeros, or, if the border is no boundary, pixels like those of row y.
     #[inline(always)]
     fn start(&mut self, width: usize, y: usize, ring: Ring, map: BinaryMap<'_>) {
         self.below.fill(NONE);
@@ -196,8 +198,8 @@ impl Buffers {
             let class = pixels[start];
             let count = pixels[start..].iter().take_while(|&&c| c == class).count();
             let end = start + count;
-            let frame = ring == Ring::Zero && class == 1;
-            let ends = [start > 0 || frame, end < width || frame];
+            let border = ring == Ring::Zero && class == 1;
+            let ends = [start > 0 || border, end < width || border];
             if self.squares[start..end].iter().any(|&square| square > known) {
                 let vertical = &self.vertical[y * padded + start..][..count];
                 envelope(vertical, ends, &mut self.sites, &mut self.edges);
@@ -290,11 +292,11 @@ fn prepare(
         near[at..][..STEP].copy_from_slice(&squares[2]);
     }
     near[width..].fill(0);
-    let frame = ends.map(|pixel| if ring == Ring::Zero && pixel == 1 { 0 } else { FAR });
+    let border = ends.map(|pixel| if ring == Ring::Zero && pixel == 1 { 0 } else { FAR });
     for row in [&mut *left, &mut *right] {
         row[MARGIN + width..][..STEP].fill(FAR);
     }
-    (left[MARGIN - 1], right[MARGIN + width]) = (frame[0], frame[1]);
+    (left[MARGIN - 1], right[MARGIN + width]) = (border[0], border[1]);
 }
 
 /// The minimum over the candidates up to `limit` pixels away; returns the largest of the block.

@@ -1,6 +1,7 @@
 //! Integrals over rectangles, from the entries at their corners.
 
 use super::{Outside, Rectangle, SummedAreaPlan};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -90,7 +91,9 @@ impl<'a, T: Real> SummedAreaRef<'a, T> {
 
     /// ∫ f over a rectangle, nothing outside the image; negative where the rectangle is inverted along one axis, 0
     /// where it is empty.
-    ///   (S(b, r) − S(b, l)) − (S(t, r) − S(t, l))                    [Xu 2006 eq. 2]
+    /// ```math
+    /// (S(b, r) − S(b, l)) − (S(t, r) − S(t, l))                    [Xu 2006 eq. 2]
+    /// ```
     ///
     /// Accuracy: some ε of the largest entry it meets, absolute.
     #[inline]
@@ -216,3 +219,5 @@ impl<T: Real> SummedArea<T> {
         self.as_ref().mean(rectangle)
     }
 }
+
+approx_by_parts!([T] SummedArea<T>, T, |t| close [&t.entries] same [t.width, t.height]);

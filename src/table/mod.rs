@@ -33,4 +33,4 @@ pub use lookup::{SummedArea, SummedAreaRef};
 pub use rectangle::{DiskGrid, Outside, Rectangle};
 pub use stack::SummedAreaStack;
 pub use summed_area::SummedAreaPlan;
-pub use visibility_distance::{Frame, VisibilityDistancePlan, VisibilityDistanceScratch};
+pub use visibility_distance::{Border, VisibilityDistancePlan, VisibilityDistanceScratch};

@@ -1,5 +1,6 @@
 //! Rectangles of pixels and the disk inside a square of them.
 
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// An axis-aligned rectangle in pixel units: pixel (x, y) is [x, x + 1] × [y, y + 1].
@@ -132,3 +133,5 @@ impl DiskGrid {
         Rectangle::square(self.pixels(centre), self.length(edge))
     }
 }
+
+approx_by_parts!([] Rectangle, f64, |r| close [[r.left, r.top, r.right, r.bottom]] same []);

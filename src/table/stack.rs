@@ -2,6 +2,7 @@
 
 use super::Rectangle;
 use super::lookup::Place;
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Real, Result};
 
 /// A stack of summed-area tables that share one layout, the same entry of all layers side by side: a look-up in several
@@ -148,3 +149,5 @@ impl<T: Real> SummedAreaStack<T> {
 fn ends([low, high]: [Place; 2]) -> [(usize, f64); 4] {
     [(high.low, 1.0 - high.within), (high.high, high.within), (low.low, low.within - 1.0), (low.high, -low.within)]
 }
+
+approx_by_parts!([T] SummedAreaStack<T>, T, |t| close [&t.entries] same [t.size, t.layers]);

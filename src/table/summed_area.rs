@@ -8,7 +8,9 @@ use crate::numeric::{align_stack, arch_256};
 use crate::{Error, Real, Result, parallel};
 
 /// How to build summed-area tables of one image size into the caller's memory, one or many.
-///   S(r, c) = Σ_{y < r, x < c} f(x, y)            [Xu 2006 eq. 2, with the exclusive table that its indices need]
+/// ```math
+/// S(r, c) = Σ_{y < r, x < c} f(x, y)            [Xu 2006 eq. 2, with the exclusive table that its indices need]
+/// ```
 ///
 /// Shapes: samples row-major, width·height of them; a table has (height + 1) rows of width + 1 entries, row 0 and
 /// column 0 zero. The source and the table each are `f32` or `f64`; sums run in the table's type.

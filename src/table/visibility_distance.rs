@@ -8,13 +8,13 @@ use crate::error::check_length;
 use crate::numeric::align_stack;
 use crate::{Error, Result, parallel};
 
-/// Whether the frame of a map is a boundary.
+/// Whether the border of a map is a boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Frame {
+pub enum Border {
     /// It is no boundary: nothing is known of what is outside.
     #[default]
     Open,
-    /// Pixels outside are 0: the frame is a boundary of every 1 that touches it. Changes the distances of 1-pixels
+    /// Pixels outside are 0: the border is a boundary of every 1 that touches it. Changes the distances of 1-pixels
     /// only.
     Zero,
 }
@@ -26,7 +26,9 @@ pub struct VisibilityDistanceScratch {
 }
 
 /// How to build visibility distance tables of one map size: exact signed Euclidean distances, one map or many.
-///   D = ±d, + where the map is 1; d from the centre of a pixel to the nearest boundary between a 0 and a 1  [Xu 2006 §4.3]
+/// ```math
+/// D = ±d, + where the map is 1; d from a pixel's centre to the nearest boundary of 0 and 1          [Xu 2006 §4.3]
+/// ```
 ///
 /// The boundary runs along the sides of pixels, so that d is the distance to the closed unit square of the nearest
 /// unlike pixel: next to a straight edge ½, 1½, … (distances between centres would be 1, 2, …, and off by a half on
@@ -41,8 +43,8 @@ pub struct VisibilityDistanceScratch {
 /// # Example
 /// ```
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// use haarmonic::table::{Frame, VisibilityDistancePlan};
-/// let plan = VisibilityDistancePlan::new(4, 1, Frame::Open)?;
+/// use haarmonic::table::{Border, VisibilityDistancePlan};
+/// let plan = VisibilityDistancePlan::new(4, 1, Border::Open)?;
 /// let mut table = [0.0; 4];
 /// plan.distances([1_u8, 1, 1, 0][..].into(), &mut table, &mut Default::default());
 /// assert_eq!(table, [2.5, 1.5, 0.5, -0.5]);
@@ -53,7 +55,7 @@ pub struct VisibilityDistanceScratch {
 pub struct VisibilityDistancePlan {
     width: usize,
     height: usize,
-    frame: Frame,
+    border: Border,
     arch: Arch,
 }
 
@@ -62,14 +64,14 @@ impl VisibilityDistancePlan {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 4(width² + height²) fits 31 bits: 16383 a side if square.
-    pub fn new(width: usize, height: usize, frame: Frame) -> Result<Self> {
+    pub fn new(width: usize, height: usize, border: Border) -> Result<Self> {
         let longest = width.max(height);
         let square = |n: usize| 4 * (n as u64).pow(2);
         if longest > 16_384 || square(width) + square(height) > i32::MAX as u64 {
             let allowed = "such that 4(width^2 + height^2) < 2^31, and no side above 16384";
             return Err(Error::OutOfRange { what: "side of a distance table", got: longest as f64, allowed });
         }
-        Ok(Self { width, height, frame, arch: Arch::new() })
+        Ok(Self { width, height, border, arch: Arch::new() })
     }
 
     /// The width of a map.
@@ -84,10 +86,10 @@ impl VisibilityDistancePlan {
         self.height
     }
 
-    /// Whether the frame is a boundary.
+    /// Whether the border is a boundary.
     #[inline]
-    pub fn frame(&self) -> Frame {
-        self.frame
+    pub fn border(&self) -> Border {
+        self.border
     }
 
     /// The number of pixels of a map.
@@ -150,9 +152,9 @@ impl VisibilityDistancePlan {
     fn run<O: FromSquare>(&self, maps: BinaryMap<'_>, out: &mut [O], scratch: &mut VisibilityDistanceScratch) {
         let count = self.count(&maps, out.len());
         scratch.buffers.resize(self.width, self.height);
-        let ring = match self.frame {
-            Frame::Open => Ring::Open,
-            Frame::Zero => Ring::Zero,
+        let ring = match self.border {
+            Border::Open => Ring::Open,
+            Border::Zero => Ring::Zero,
         };
         let (width, bound, buffers) = (self.width, self.square_bound(), &mut scratch.buffers);
         if count > 0 {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::support::{assert_close, golden, rational};
+use crate::support::{HAAR_AFFINE, assert_close, cases, golden, map, number};
 use haarmonic::affine::AffineMap;
 use haarmonic::nalgebra::{Complex, DVector};
 use haarmonic::reference::affine as naive;
@@ -21,10 +21,6 @@ fn list(v: &Value) -> &[Value] {
     v.as_array().unwrap()
 }
 
-fn map(scale: f64, offset: f64) -> AffineMap {
-    AffineMap::new(scale, offset).unwrap()
-}
-
 #[track_caller]
 fn assert_near(got: Complex<f64>, want: Complex<f64>, tolerance: f64, what: &str) {
     assert!((got - want).norm() <= tolerance, "{what}: got {got}, want {want}, off by {:e}", (got - want).norm());
@@ -32,12 +28,12 @@ fn assert_near(got: Complex<f64>, want: Complex<f64>, tolerance: f64, what: &str
 
 #[test]
 fn golden_pixels() {
-    let file = golden("pixel_fourier_acc");
+    let file = golden(HAAR_AFFINE, "pixel_fourier_acc");
     for case in list(&file["pixel_n8"]) {
-        let map = map(rational(&case["s"]), rational(&case["o"]));
+        let map = map(number(&case["s"]), number(&case["o"]));
         let want: Vec<_> = list(&case["nonzero"])
             .iter()
-            .map(|e| (e[0].as_u64().unwrap() as usize, e[1].as_u64().unwrap() as usize, rational(&e[2])))
+            .map(|e| (e[0].as_u64().unwrap() as usize, e[1].as_u64().unwrap() as usize, number(&e[2])))
             .collect();
         let mut got: Vec<_> = pixel_coupling_nonzeros(8, map).collect();
         assert!(got.is_sorted_by_key(|e| e.1));
@@ -62,7 +58,7 @@ fn golden_pixels() {
 
 #[test]
 fn golden_fourier() {
-    let file = golden("pixel_fourier_acc");
+    let file = golden(HAAR_AFFINE, "pixel_fourier_acc");
     for row in list(&file["fourier"]["rows"]) {
         let number = |k: usize| row[k].as_f64().unwrap_or_else(|| rational_or_decimal(&row[k]));
         let (p, q, map) = (number(0) as i64, number(1) as i64, map(number(2), number(3)));
@@ -124,12 +120,8 @@ fn a_third_pixel_beyond_the_last_is_refused() {
     pixel_tripling(2, 0, 1, 2, AffineMap::IDENTITY);
 }
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     // Relative: the twin's breakpoints are right to 1e-32 of the unit interval. Measured: 1.3 ε.
     #[test]

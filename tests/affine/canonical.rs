@@ -1,5 +1,5 @@
-//! The canonical coupling M(r, c) and its companions: golden values, the naive twin, and every property of [Sun 2008, §4.4.2] in its
-//! corrected form (docs/errata.md).
+//! The canonical coupling M(r, c) and its companions: golden values, the naive twin, and every property of [Sun 2008,
+//! §4.4.2] in its corrected form (docs/errata.md).
 
 use std::collections::BTreeSet;
 
@@ -7,27 +7,26 @@ use haarmonic::Real;
 use haarmonic::affine::{Mother, canonical, canonical_batch, canonical_gradient, canonical_slope};
 use haarmonic::reference::affine as naive;
 use proptest::prelude::*;
-use serde_json::Value;
 
-use crate::support::{assert_close, rational};
+use crate::support::{HAAR_AFFINE, assert_close, cases, golden, number};
 use Mother::{Scaling, Wavelet};
 
 /// Transformed function first, in the order of the golden file.
 const PAIRS: [[Mother; 2]; 4] = [[Wavelet, Wavelet], [Scaling, Wavelet], [Wavelet, Scaling], [Scaling, Scaling]];
 
 /// Rows of r, c, the four couplings; and the branch of fig. 4.4, "neg" for r < 0.
-fn golden() -> Vec<([f64; 6], String)> {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/haar_affine_tables/canonical_couplings.json");
-    let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+fn golden_rows() -> Vec<([f64; 6], String)> {
+    let file = golden(HAAR_AFFINE, "canonical_couplings");
     let rows = file["rows"].as_array().unwrap();
-    rows.iter().map(|row| (std::array::from_fn(|k| rational(&row[k])), row[6].as_str().unwrap().to_owned())).collect()
+    rows.iter().map(|row| (std::array::from_fn(|k| number(&row[k])), row[6].as_str().unwrap().to_owned())).collect()
 }
 
 fn psi_psi(r: f64, c: f64) -> f64 {
     canonical(Wavelet, Wavelet, r, c)
 }
 
-/// (r, c) in multiples of 1/16 over all that can overlap for 0 < r ≤ 2, and some that cannot: everything in `f64` is exact there.
+/// (r, c) in multiples of 1/16 over all that can overlap for 0 < r ≤ 2, and some that cannot: everything in `f64` is
+/// exact there.
 fn grid() -> impl Iterator<Item = (f64, f64)> {
     let sixteenth = |k: i32| f64::from(k) / 16.0;
     (1..=32).flat_map(move |r| (-48..=64).map(move |c| (sixteenth(r), sixteenth(c))))
@@ -35,7 +34,7 @@ fn grid() -> impl Iterator<Item = (f64, f64)> {
 
 #[test]
 fn golden_couplings() {
-    let rows = golden();
+    let rows = golden_rows();
     assert_eq!(rows.len(), 248);
     for ([r, c, want @ ..], branch) in &rows {
         for ([f, g], &want) in PAIRS.into_iter().zip(want) {
@@ -74,7 +73,7 @@ fn the_branches_of_figure_4_4_agree() {
     for (r, c) in grid() {
         assert_eq!(branches(r, c).0, psi_psi(r, c), "{r} {c}");
     }
-    for ([r, c, want, ..], branch) in golden() {
+    for ([r, c, want, ..], branch) in golden_rows() {
         if r > 0.0 {
             let (value, letter) = branches(r, c);
             assert_close(value, want, 1e-14 * (1.0 + r + c.abs()), &branch);
@@ -90,7 +89,8 @@ fn the_branches_of_figure_4_4_agree() {
 fn symmetry_about_one_half_and_mirror() {
     for (r, c) in grid() {
         let at = |f, g, r, c| canonical::<f64>(f, g, r, c);
-        // Of functions that are odd about their centre M is even, of one odd and one even function it is odd  [eq. 4.27].
+        // Of functions that are odd about their centre M is even, of one odd and one even function it is odd [eq.
+        // 4.27].
         for [f, g] in PAIRS {
             let parity = if f == g { 1.0 } else { -1.0 };
             assert_eq!(at(f, g, r, 0.5 + c), parity * at(f, g, r, 0.5 - c), "{f:?} {g:?} {r} {c}");
@@ -168,7 +168,8 @@ fn the_slopes_are_those_of_the_errata() {
 
 #[test]
 fn slopes_equal_differences_on_both_sides_of_every_kink() {
-    // Kinks lie where c, c − r or c + r is 0, ½ or 1; steps of 1/64 from the grid of 1/16 cross none, and everything is exact.
+    // Kinks lie where c, c − r or c + r is 0, ½ or 1; steps of 1/64 from the grid of 1/16 cross none, and everything is
+    // exact.
     let step = 1.0 / 64.0;
     for (r, c) in grid() {
         for r in [r, -r] {
@@ -194,7 +195,7 @@ fn slopes_equal_differences_on_both_sides_of_every_kink() {
 
 #[test]
 fn off_the_kinks_the_gradient_is_that_of_the_twin() {
-    for ([r, c, ..], _) in golden() {
+    for ([r, c, ..], _) in golden_rows() {
         let kink = [c, c - r, c + r].iter().any(|x| [0.0, 0.5, 1.0].iter().any(|b| (x - b).abs() < 1e-6));
         if kink {
             continue;
@@ -275,10 +276,6 @@ fn nan_zero_and_infinite_widths() {
     assert_eq!(canonical(Wavelet, Scaling, 1.0, f64::INFINITY), 0.0);
 }
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 /// (r, c) with the functions apart, overlapping or beside each other; r of both signs, tiny and huge.
 fn anywhere() -> impl Strategy<Value = (f64, f64)> {
     let width = prop_oneof![4 => -4.0..4.0f64, 1 => -60.0..-4.0f64, 1 => 4.0..60.0f64].prop_map(f64::exp2);
@@ -291,10 +288,10 @@ fn anywhere() -> impl Strategy<Value = (f64, f64)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 8 * cases(), ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 8 * cases(64).cases, ..cases(64) })]
 
-    // c ± r is rounded only by half an ulp of itself, and only where it lies in [0, 1] does that show; then three differences of
-    // numbers up to 1. Measured: below ε.
+    // c ± r is rounded only by half an ulp of itself, and only where it lies in [0, 1] does that show; then three
+    // differences of numbers up to 1. Measured: below ε.
     #[test]
     fn it_equals_the_twin((r, c) in anywhere()) {
         for [f, g] in PAIRS {

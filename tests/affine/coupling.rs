@@ -1,8 +1,9 @@
-//! Affine couplings one by one, and the visit of those that are not zero: against golden values, the twin and exact counts.
+//! Affine couplings one by one, and the visit of those that are not zero: against golden values, the twin and exact
+//! counts.
 
 use std::collections::BTreeMap;
 
-use crate::support::{assert_close, golden, half_power, map, rational};
+use crate::support::{HAAR_AFFINE, assert_close, golden, half_power, map, number};
 use haarmonic::affine::{
     AffineMap, Atom, Mother, Nonzeros1d, NonzerosNonstandard, Operator1d, canonical, coupling, coupling_1d,
     coupling_gradient_1d, coupling_nonstandard, coupling_standard,
@@ -13,7 +14,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 
 fn map_of(case: &Value) -> AffineMap {
-    map(rational(&case["s"]), rational(&case["o"]))
+    map(number(&case["s"]), number(&case["o"]))
 }
 
 /// Whether the file's s and o are exact as `f64`.
@@ -37,7 +38,7 @@ fn all(size: usize, m: AffineMap) -> Entries {
 #[test]
 fn golden_couplings_are_visited_and_nothing_else() {
     for name in ["acc_n8", "acc_n16"] {
-        let file = golden(name);
+        let file = golden(HAAR_AFFINE, name);
         let size = file["N"].as_u64().unwrap() as usize;
         for case in file["cases"].as_array().unwrap() {
             let (m, got) = (map_of(case), all(size, map_of(case)));
@@ -68,12 +69,12 @@ fn golden_couplings_are_visited_and_nothing_else() {
 
 #[test]
 fn golden_gradients() {
-    let file = golden("acc_grad_n16");
+    let file = golden(HAAR_AFFINE, "acc_grad_n16");
     let rows = file["rows"].as_array().unwrap();
     assert!(rows.len() > 20);
     for e in rows {
         let index = |k: usize| e[k].as_u64().unwrap() as usize;
-        let (i, j, m) = (index(0), index(1), map(rational(&e[2]), rational(&e[3])));
+        let (i, j, m) = (index(0), index(1), map(number(&e[2]), number(&e[3])));
         let [d, ds, d_o] = [4, 6, 8].map(|k| half_power(&e[k], &e[k + 1]));
         let what = format!("({i}, {j}), {m:?}");
         assert_close(coupling_1d(i, j, m), d, 1e-14, &what);

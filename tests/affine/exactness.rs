@@ -24,7 +24,8 @@ fn share() -> impl Strategy<Value = f64> {
     prop_oneof![0.0..1.0f64, (0..=64).prop_map(|k| f64::from(k) / 64.0)]
 }
 
-/// Log-uniform scales of both signs, some of few binary places; offsets that bring a point of the source to one of the target, or miss it by a few roundings.
+/// Log-uniform scales of both signs, some of few binary places; offsets that bring a point of the source to one of the
+/// target, or miss it by a few roundings.
 fn any_scale() -> impl Strategy<Value = AffineMap> {
     let log = prop_oneof![
         3 => -332.0..332.0f64,
@@ -51,7 +52,8 @@ fn exact_column(size: usize, j: usize, m: AffineMap) -> BTreeMap<usize, f64> {
 proptest! {
     #[test]
     fn couplings_are_right_to_a_few_roundings_of_themselves(i in index(), j in index(), m in any_scale()) {
-        // Half an ε each of an overlap's three roundings, the amplitude, the sum and the quotient; worst seen of 400,000: 1.6 ε.
+        // Half an ε each of an overlap's three roundings, the amplitude, the sum and the quotient; worst seen of
+        // 400,000: 1.6 ε.
         assert_relative(coupling_1d(i, j, m), naive::exact_coupling_1d(i, j, m), 3.0, &format!("({i}, {j}), {m:?}"));
     }
 
@@ -144,8 +146,9 @@ proptest! {
                 let mut out = vec![f64::NAN; 64];
                 plan.apply_by(route, &source, maps, &all, [&mut out], &mut PropagationScratch::new());
                 let got = inverse_2d(&out, side, side, basis).unwrap();
-                // An end of a pixel is rounded by ε of its place, up to 8 pixels; worst seen: 7 ε. A table's differences lose 1/(s_x s_y)
-                // besides, of corners that are sums of all pixels; worst seen: 86 ε of that.
+                // An end of a pixel is rounded by ε of its place, up to 8 pixels; worst seen: 7 ε. A table's
+                // differences lose 1/(s_x s_y) besides, of corners that are sums of all pixels; worst seen: 86 ε of
+                // that.
                 let area = (x.scale() * y.scale()).abs();
                 let looked_up = route == PropagationRoute::Lookups && area >= 2f64.powi(-20);
                 let tolerance = f64::EPSILON * if looked_up { 256.0 * (1.0 + area.recip()) } else { 24.0 };

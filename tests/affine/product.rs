@@ -1,6 +1,6 @@
 //! Affine product integrals and light fields against golden values and naive twins.
 
-use crate::support::{assert_close, differentiable, golden, rational, right_gradient};
+use crate::support::{HAAR_AFFINE, assert_close, cases, differentiable, golden, largest, map, number, right_gradient};
 use haarmonic::affine::{
     AffineMap, AffineProduct1d, AffineProduct2d, Atom, LightField, LightFieldTerm, ProductRoute,
     affine_double_product_1d, affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
@@ -14,16 +14,6 @@ use proptest::prelude::*;
 const EPS: f64 = f64::EPSILON;
 const ROUTES: [ProductRoute; 2] = [ProductRoute::Terms, ProductRoute::Primitive];
 
-fn map(scale: f64, offset: f64) -> AffineMap {
-    AffineMap::new(scale, offset).unwrap()
-}
-
-/// Property cases: 48, or as many as `PROPTEST_CASES` says.
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
 fn narrow<T: Real>(dense: &[f64]) -> SparseVector<T> {
     SparseVector::from_dense(&dense.iter().map(|&c| T::of(c)).collect::<Vec<T>>())
 }
@@ -33,23 +23,19 @@ fn sparse(samples: &[f64]) -> SparseVector<f64> {
     narrow(&naive_haar::forward_1d(samples))
 }
 
-fn largest(samples: &[f64]) -> f64 {
-    samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()))
-}
-
 #[test]
 fn golden_products() {
-    let file = golden("affine_products_1d");
+    let file = golden(HAAR_AFFINE, "affine_products_1d");
     let cases = file["cases"].as_array().unwrap();
     assert!(cases.len() >= 8);
     for case in cases {
-        let map = map(rational(&case["s"]), rational(&case["o"]));
-        let samples = |name: &str| case[name].as_array().unwrap().iter().map(rational).collect::<Vec<_>>();
+        let map = map(number(&case["s"]), number(&case["o"]));
+        let samples = |name: &str| case[name].as_array().unwrap().iter().map(number).collect::<Vec<_>>();
         let [f, g, w] = ["F", "G", "W"].map(samples);
         let scale = largest(&f) * largest(&g);
         let plan = AffineProduct1d::new(&sparse(&f)).unwrap();
         let [tg, tw] = [&g, &w].map(|x| BinaryTree::new(&sparse(x)).unwrap());
-        let (double, triple) = (rational(&case["double"]), rational(&case["triple"]));
+        let (double, triple) = (number(&case["double"]), number(&case["triple"]));
         for route in ROUTES {
             assert_close(plan.integral_by(route, [&tg], map), double, 2e-15 * scale, "double");
             let triple_scale = 2e-15 * scale * largest(&w);
@@ -106,7 +92,7 @@ fn loss(route: ProductRoute, maps: &[AffineMap]) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn products_1d_equal_the_twin([f, g, w] in factors_1d(), map in strategies::affine_map()) {

@@ -1,6 +1,6 @@
 //! Whole signals through affine maps: every route against golden values, the naive twin and each other.
 
-use crate::support::map;
+use crate::support::{HAAR_AFFINE, assert_all_close, golden, largest, map, number, numbers, random, wide};
 use haarmonic::Real;
 use haarmonic::affine::{
     AffineMap, Axis, Operator1d, Parameter, Propagation, PropagationRoute, PropagationScratch, PropagationSource,
@@ -10,41 +10,8 @@ use haarmonic::haar::{Decomposition, SparseVector, forward_1d, forward_2d, inver
 use haarmonic::reference::affine as naive;
 use haarmonic::strategies::{affine_map, haar_signal, signal, sparse_vector};
 use proptest::prelude::*;
-use serde_json::Value;
 
 const BASES: [Decomposition; 2] = [Decomposition::Standard, Decomposition::Nonstandard];
-
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, x| x.abs().max(m))
-}
-
-#[track_caller]
-fn assert_all_close(got: &[f64], want: &[f64], tolerance: f64, what: &str) {
-    assert_eq!(got.len(), want.len(), "{what}");
-    for (k, (g, w)) in got.iter().zip(want).enumerate() {
-        assert!(
-            (g - w).abs() <= tolerance,
-            "{what}, {k}: got {g:e}, want {w:e}, off by {:e} > {tolerance:e}",
-            (g - w).abs()
-        );
-    }
-}
-
-fn widen<T: Real>(x: &[T]) -> Vec<f64> {
-    x.iter().map(|x| x.widen()).collect()
-}
-
-/// Deterministic numbers in [−1, 1) that are not special.
-fn noise(len: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut next = || {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
-}
 
 /// Maps that shrink, grow, mirror, move out, touch and miss.
 fn maps() -> Vec<AffineMap> {
@@ -100,7 +67,7 @@ fn tolerance(route: PropagationRoute, maps: [AffineMap; 2], epsilon: f64) -> f64
 #[test]
 fn one_axis_equals_the_twin() {
     for size in [1usize, 2, 4, 8, 32, 128] {
-        let samples = noise(size, size as u64);
+        let samples = random(size, size as u64);
         let coefs = forward_1d(&samples).unwrap();
         for m in maps() {
             let got = inverse_1d(&apply_map_1d(&coefs, m).unwrap()).unwrap();
@@ -111,7 +78,7 @@ fn one_axis_equals_the_twin() {
             let single: Vec<f32> = coefs.iter().map(|&c| c as f32).collect();
             let got = inverse_1d(&apply_map_1d(&single, m).unwrap()).unwrap();
             // Here the breakpoints are as good as exact; sums and couplings are rounded.
-            assert_all_close(&widen(&got), &want, 16.0 * f64::from(f32::EPSILON), &format!("f32, {size}, {m:?}"));
+            assert_all_close(&wide(&got), &want, 16.0 * f64::from(f32::EPSILON), &format!("f32, {size}, {m:?}"));
         }
     }
 }
@@ -121,7 +88,7 @@ fn one_axis_sparse_is_dense_and_the_adjoint_is_the_transpose() {
     for size in [1usize, 2, 16, 64] {
         for m in maps() {
             let operator = Operator1d::<f64>::new(size, m).unwrap();
-            let (f, g) = (noise(size, 3), noise(size, 5));
+            let (f, g) = (random(size, 3), random(size, 5));
             let sparse =
                 SparseVector::from_pairs(size, f.iter().copied().enumerate().filter(|(i, _)| i % 3 != 1)).unwrap();
             let (mut l, mut dense, mut back) = (vec![0.0; size], vec![f64::NAN; size], vec![f64::NAN; size]);
@@ -160,27 +127,14 @@ fn derivative_of_one_axis_is_the_slope_of_the_twin() {
 
 #[test]
 fn golden_propagation_by_every_route() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/haar_affine_tables/propagate_2d.json");
-    let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let file = golden(HAAR_AFFINE, "propagate_2d");
     let side = file["N"].as_u64().unwrap() as usize;
-    let number = |v: &Value| -> f64 {
-        match v {
-            Value::String(text) => {
-                let (p, q) = text.split_once('/').unwrap_or((text, "1"));
-                p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-            }
-            _ => v.as_f64().unwrap(),
-        }
-    };
-    let rows = |v: &Value| -> Vec<f64> {
-        v.as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap().iter().map(number)).collect()
-    };
     let cases = file["cases"].as_array().unwrap();
     assert!(cases.len() >= 2);
     for case in cases {
         let axis = |s: &str, o: &str| map(number(&case[s]), number(&case[o]));
         let maps = [axis("sx", "ox"), axis("sy", "oy")];
-        let (image, want) = (rows(&case["image_rows_y"]), rows(&case["target_pixel_averages"]));
+        let (image, want) = (numbers(&case["image_rows_y"]), numbers(&case["target_pixel_averages"]));
         for basis in BASES {
             let light = forward_2d(&image, side, side, basis).unwrap();
             let all = Targets::all(side, basis).unwrap();
@@ -192,7 +146,7 @@ fn golden_propagation_by_every_route() {
                 assert_all_close(&got, &want, tolerance, &format!("{route:?}, {basis:?}"));
                 let single: Vec<f32> = light.iter().map(|&c| c as f32).collect();
                 let [got] = run(route, side, basis, [&single], maps, &all);
-                let got = inverse_2d(&widen(&got), side, side, basis).unwrap();
+                let got = inverse_2d(&wide(&got), side, side, basis).unwrap();
                 assert_all_close(&got, &want, 1e-6 * largest(&image), &format!("f32, {route:?}, {basis:?}"));
             }
         }
@@ -201,7 +155,7 @@ fn golden_propagation_by_every_route() {
 
 fn check_side<T: Real>(side: usize, x: AffineMap, y: AffineMap) {
     let epsilon = T::epsilon().widen();
-    let images = [noise(side * side, 11), noise(side * side, 12)];
+    let images = [random(side * side, 11), random(side * side, 12)];
     for basis in BASES {
         let lights = images.each_ref().map(|image| {
             let image: Vec<T> = image.iter().map(|&x| T::of(x)).collect();
@@ -220,9 +174,9 @@ fn check_side<T: Real>(side: usize, x: AffineMap, y: AffineMap) {
             let chosen = run(route, side, basis, channels, [x, y], &some_targets);
             for c in 0..2 {
                 let what = format!("{route:?}, {basis:?}, side {side}, channel {c}, {x:?} {y:?}");
-                assert_all_close(&widen(&got[c]), &want[c], tolerance, &what);
+                assert_all_close(&wide(&got[c]), &want[c], tolerance, &what);
                 let want: Vec<f64> = some.iter().map(|&k| want[c][k as usize]).collect();
-                assert_all_close(&widen(&chosen[c]), &want, tolerance, &format!("some of {what}"));
+                assert_all_close(&wide(&chosen[c]), &want, tolerance, &format!("some of {what}"));
             }
         }
     }
@@ -243,7 +197,7 @@ fn every_route_equals_the_twin() {
 
 #[test]
 fn the_identity_changes_nothing_and_a_light_out_of_sight_is_black() {
-    let (side, light) = (16, noise(256, 9));
+    let (side, light) = (16, random(256, 9));
     for basis in BASES {
         let all = Targets::all(side, basis).unwrap();
         for route in PropagationRoute::ALL {
@@ -259,7 +213,7 @@ fn the_identity_changes_nothing_and_a_light_out_of_sight_is_black() {
 
 #[test]
 fn composition_is_one_map_and_chaining_loses() {
-    let (side, image) = (16, noise(256, 21));
+    let (side, image) = (16, random(256, 21));
     let (first, second) = (map(0.5, 0.3), map(1.7, -0.2));
     let composed = second.then(first).unwrap();
     assert_eq!(composed.apply(0.25), first.apply(second.apply(0.25)));
@@ -273,7 +227,8 @@ fn composition_is_one_map_and_chaining_loses() {
 
 #[test]
 fn energy_is_lost_as_the_resolution_demands() {
-    // s = 2, N = 32: the light covers half of the view; its energy is at most half of what it was, and details are lost.
+    // s = 2, N = 32: the light covers half of the view; its energy is at most half of what it was, and details are
+    // lost.
     let (size, m) = (32, map(2.0, -0.5));
     let lost = |samples: &[f64]| {
         let mean = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>() / x.len() as f64;
@@ -282,7 +237,7 @@ fn energy_is_lost_as_the_resolution_demands() {
     };
     let step: Vec<f64> = (0..size).map(|k| if k < 13 { 1.0 } else { 0.0 }).collect();
     let smooth: Vec<f64> = (0..size).map(|k| 1.0 + (0.2 * k as f64).sin()).collect();
-    let white = (0..200).map(|seed| lost(&noise(size, seed + 1))).sum::<f64>() / 200.0;
+    let white = (0..200).map(|seed| lost(&random(size, seed + 1))).sum::<f64>() / 200.0;
     assert!((0.4..0.6).contains(&white), "white noise loses half: {white}");
     assert!((1e-4..0.01).contains(&lost(&smooth)), "{}", lost(&smooth));
     assert!((0.02..0.06).contains(&lost(&step)), "one pixel of thirteen is split: {}", lost(&step));
@@ -291,7 +246,7 @@ fn energy_is_lost_as_the_resolution_demands() {
 #[test]
 fn derivatives_are_one_sided_differences() {
     let side = 8;
-    let light = noise(64, 31);
+    let light = random(64, 31);
     let h = 1e-6;
     for basis in BASES {
         let source = PropagationSource::from_dense(side, basis, [&light]).unwrap();
@@ -321,7 +276,7 @@ fn derivatives_are_one_sided_differences() {
                         (0..64).map(|k| (4.0 * seen[0][k] - seen[1][k] - 3.0 * seen[2][k]) / (2.0 * h)).collect();
                     assert_all_close(&slope, &want, 3e-8, &format!("{basis:?}, {axis:?}, {parameter:?}, {maps:?}"));
                     // The gradient of J = ⟨g, L⟩ is ⟨g, ∂L⟩.
-                    let g = noise(64, 77);
+                    let g = random(64, 77);
                     let gradient = plan.gradient(&source, maps, &all, [&g], &mut scratch);
                     let want: f64 = slope.iter().zip(&g).map(|(l, g)| l * g).sum();
                     let got = gradient[a][parameter as usize];
@@ -342,7 +297,7 @@ fn the_adjoint_is_the_transpose() {
             let mut scratch = PropagationScratch::new();
             for (k, x) in maps().into_iter().enumerate() {
                 let maps = [x, maps()[(k * 3 + 1) % maps().len()]];
-                let (f, g) = (noise(side * side, 41), noise(side * side, 42));
+                let (f, g) = (random(side * side, 41), random(side * side, 42));
                 let source = PropagationSource::from_dense(side, basis, [&f]).unwrap();
                 let (mut l, mut back) = (vec![0.0; side * side], vec![0.0; side * side]);
                 plan.apply(&source, maps, &all, [&mut l], &mut scratch);
@@ -362,7 +317,7 @@ fn the_adjoint_is_the_transpose() {
 #[test]
 fn a_batch_is_one_by_one_to_the_bit() {
     let (side, basis) = (16, Decomposition::Standard);
-    let lights = [noise(256, 51), noise(256, 52), noise(256, 53)];
+    let lights = [random(256, 51), random(256, 52), random(256, 53)];
     let sparse = lights
         .each_ref()
         .map(|l| SparseVector::from_pairs(256, l.iter().copied().enumerate().filter(|(i, _)| i % 11 == 0)).unwrap());

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::support::{assert_close, golden, half_power, rational};
+use crate::support::{HAAR_AFFINE, assert_close, golden, half_power, number, numbers};
 use haarmonic::affine::AffineMap;
 use haarmonic::haar::{Decomposition, forward_2d};
 use haarmonic::reference::affine as naive;
@@ -16,12 +16,8 @@ fn list(v: &Value) -> &[Value] {
     v.as_array().unwrap()
 }
 
-fn numbers(v: &Value) -> Vec<f64> {
-    list(v).iter().map(rational).collect()
-}
-
 fn map(s: &Value, o: &Value) -> AffineMap {
-    AffineMap::new(rational(s), rational(o)).unwrap()
+    AffineMap::new(number(s), number(o)).unwrap()
 }
 
 /// Whether both numbers are the rationals that the file names, rather than rounded.
@@ -35,7 +31,7 @@ fn is_dyadic(case: &Value) -> bool {
 #[test]
 fn golden_couplings_and_their_counts() {
     for name in ["acc_n8", "acc_n16"] {
-        let file = golden(name);
+        let file = golden(HAAR_AFFINE, name);
         let size = index(&file["N"]);
         for case in list(&file["cases"]) {
             let map = map(&case["s"], &case["o"]);
@@ -63,7 +59,7 @@ fn golden_couplings_and_their_counts() {
 
 #[test]
 fn golden_gradients_by_differences() {
-    for row in list(&golden("acc_grad_n16")["rows"]) {
+    for row in list(&golden(HAAR_AFFINE, "acc_grad_n16")["rows"]) {
         let (i, j, map) = (index(&row[0]), index(&row[1]), map(&row[2], &row[3]));
         let what = format!("{i} {j} {map:?}");
         assert_close(naive::coupling_1d(i, j, map), half_power(&row[4], &row[5]), 2e-15, &what);
@@ -80,7 +76,7 @@ fn golden_gradients_by_differences() {
 
 #[test]
 fn golden_triplings() {
-    let file = golden("atc_n8");
+    let file = golden(HAAR_AFFINE, "atc_n8");
     let size = index(&file["N"]);
     for case in list(&file["cases"]) {
         let map = map(&case["s"], &case["o"]);
@@ -110,18 +106,18 @@ fn golden_triplings() {
 
 #[test]
 fn golden_products_of_samples() {
-    for case in list(&golden("affine_products_1d")["cases"]) {
+    for case in list(&golden(HAAR_AFFINE, "affine_products_1d")["cases"]) {
         let map = map(&case["s"], &case["o"]);
         let [f, g, w] = ["F", "G", "W"].map(|name| numbers(&case[name]));
         let (double, triple) = (naive::double_product(&f, &g, map), naive::triple_product(&f, &g, &w, map));
-        assert_close(double, rational(&case["double"]), 8e-15 * (1.0 + double.abs()), &format!("{map:?}"));
-        assert_close(triple, rational(&case["triple"]), 8e-15 * (1.0 + triple.abs()), &format!("{map:?}"));
+        assert_close(double, number(&case["double"]), 8e-15 * (1.0 + double.abs()), &format!("{map:?}"));
+        assert_close(triple, number(&case["triple"]), 8e-15 * (1.0 + triple.abs()), &format!("{map:?}"));
     }
 }
 
 #[test]
 fn golden_propagation() {
-    let file = golden("propagate_2d");
+    let file = golden(HAAR_AFFINE, "propagate_2d");
     let size = index(&file["N"]);
     for case in list(&file["cases"]) {
         let maps = [map(&case["sx"], &case["ox"]), map(&case["sy"], &case["oy"])];
@@ -218,7 +214,8 @@ fn the_counts_of_non_zeros_reach_the_errata_s_maxima() {
         })
         .map(|(s, o)| AffineMap::new(s, o).unwrap())
         .collect();
-    // The known maxima 29, 80, 193, 432 are of wavelets with wavelets; 2 log₂N + 1 couplings with the scaling function come on top.
+    // The known maxima 29, 80, 193, 432 are of wavelets with wavelets; 2 log₂N + 1 couplings with the scaling function
+    // come on top.
     for (size, wavelets) in [(8, 29), (16, 80), (32, 193), (64, 432)] {
         let most = maps.iter().map(|&map| naive::count_nonzeros_1d(size, map)).max().unwrap();
         assert_eq!(most, wavelets + 2 * size.ilog2() as usize + 1, "N = {size}");

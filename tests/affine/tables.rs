@@ -1,4 +1,5 @@
-//! Tables of affine couplings: M in a texture, stored couplings, predicted targets, and the law of the number of non-zeros.
+//! Tables of affine couplings: M in a texture, stored couplings, predicted targets, and the law of the number of
+//! non-zeros.
 
 use haarmonic::Error;
 use haarmonic::affine::{
@@ -8,11 +9,7 @@ use haarmonic::affine::{
 use haarmonic::haar::{Decomposition, Keep, forward_1d, forward_2d};
 use proptest::prelude::*;
 
-/// Cases of a property; the environment variable PROPTEST_CASES overrides them.
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|c| c.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::cases;
 
 fn exact(r: f64, c: f64) -> f64 {
     canonical(Mother::Wavelet, Mother::Wavelet, r, c)
@@ -219,7 +216,7 @@ fn a_cell_is_nearest_to_its_own_map() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn dark_maps_are_those_without_couplings(s in 0.1f64..5.0, o in -6.0f64..6.0, mirrored: bool) {
@@ -558,9 +555,9 @@ fn wavelet_pairs(size: usize, map: AffineMap) -> usize {
     count
 }
 
-/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each finer
-/// level, the three that have one of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each pair of levels
-/// at the ends of the interval, k².
+/// 8N − (k + 2)(k + 4), k = log₂ N: near s = 1 a wavelet meets the two of its own level that it straddles and, of each
+/// finer level, the three that have one of its breakpoints: Σ_l 2^l (2 + 6(k − 1 − l)) = 8N − 6k − 8, less one for each
+/// pair of levels at the ends of the interval, k².
 #[test]
 fn nonzeros_follow_the_law_at_their_most() {
     let near = AffineMap::new(1.0 + 2e-6, 1.7e-6).unwrap();
@@ -576,7 +573,7 @@ fn nonzeros_follow_the_law_at_their_most() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn nonzeros_never_exceed_the_law(k in 3usize..8, s in 0.5f64..2.0, o in -1.0f64..1.0, mirrored: bool, near: bool) {

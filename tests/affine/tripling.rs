@@ -1,6 +1,8 @@
 //! Affine tripling coefficients against golden values and naive twins.
 
-use crate::support::{assert_close, differentiable, golden, rational, right_gradient};
+use crate::support::{
+    HAAR_AFFINE, assert_close, cases, differentiable, golden, half_power, map, number, right_gradient,
+};
 use haarmonic::affine::{
     AffineMap, Atom, Mother, TripleNonzeros1d, TripleNonzerosNonstandard, canonical, coupling_1d, tripling_1d,
     tripling_gradient_1d, tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,
@@ -13,21 +15,12 @@ use serde_json::Value;
 
 const EPS: f64 = f64::EPSILON;
 
-fn map(scale: f64, offset: f64) -> AffineMap {
-    AffineMap::new(scale, offset).unwrap()
-}
-
 fn golden_map(case: &Value) -> AffineMap {
-    map(rational(&case["s"]), rational(&case["o"]))
+    map(number(&case["s"]), number(&case["o"]))
 }
 
-/// Property cases: 48, or as many as `PROPTEST_CASES` says.
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-/// Some maps of every sort: identity, mirrored, zooming in and out, partly and wholly outside, with coinciding breakpoints.
+/// Some maps of every sort: identity, mirrored, zooming in and out, partly and wholly outside, with coinciding
+/// breakpoints.
 fn maps() -> Vec<AffineMap> {
     [
         (1.0, 0.0),
@@ -49,14 +42,15 @@ fn maps() -> Vec<AffineMap> {
     .to_vec()
 }
 
-/// The largest value that |D_ijk| can have, a scale for its errors: ∫ |f g h| ≤ the amplitudes, over the finest support.
+/// The largest value that |D_ijk| can have, a scale for its errors: ∫ |f g h| ≤ the amplitudes, over the finest
+/// support.
 fn scale([i, j, k]: [usize; 3]) -> f64 {
     [i, j, k].iter().map(|&flat| 2f64.powf(f64::from(Atom::from_flat(flat).level) / 2.0)).product()
 }
 
 #[test]
 fn golden_triplings() {
-    let file = golden("atc_n8");
+    let file = golden(HAAR_AFFINE, "atc_n8");
     let size = file["N"].as_u64().unwrap() as usize;
     let nonzeros = TripleNonzeros1d::new(size).unwrap();
     for case in file["cases"].as_array().unwrap() {
@@ -64,7 +58,7 @@ fn golden_triplings() {
         let mut want = std::collections::BTreeMap::new();
         for e in case["nonzero"].as_array().unwrap() {
             let [i, j, k] = [0, 1, 2].map(|n| e[n].as_u64().unwrap() as usize);
-            want.insert([i, j, k], rational(&e[3]) * 2f64.powf(e[4].as_f64().unwrap() / 2.0));
+            want.insert([i, j, k], half_power(&e[3], &e[4]));
         }
         let mut got = std::collections::BTreeMap::new();
         nonzeros.all(map, |i, j, k, d| assert_eq!(got.insert([i, j, k], d), None, "visited once"));
@@ -281,7 +275,7 @@ fn standard_triplings_are_products() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn triplings_are_symmetric_and_right(

@@ -1,12 +1,12 @@
 //! What allocates nothing after the first time: frames and lights of block products.
 //!
-//! Counted on the only thread of a pool, rayon's part in a frame included. With more threads the same code runs on each of them, which is not
-//! counted. What remains is rayon's queue for calls from outside its pool: it takes a block of memory from the caller once in 63 frames
-//! (seen with pools of 2 and 4 threads); calls from inside take none.
+//! Counted on the only thread of a pool, rayon's part in a frame included. With more threads the same code runs on each
+//! of them, which is not counted. What remains is rayon's queue for calls from outside its pool: it takes a block of
+//! memory from the caller once in 63 frames (seen with pools of 2 and 4 threads); calls from inside take none.
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockAngle, BlockLayout, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, BlockLayout, Relighter, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -52,7 +52,8 @@ fn light(transport: &Transport) -> CubeMap<Vector3<f32>> {
 /// Four views, in turns of all vertices and of those of a picture.
 fn frames(model: &Model, transport: &Transport, rule: Rule) {
     let materials = materials(model);
-    let mut relighter = Relighter::new(&model.mesh, transport, Settings { rule, basis: Basis::default() }).unwrap();
+    let mut relighter =
+        Relighter::new(&model.mesh, transport, Settings { rule, basis: SampleBasis::default() }).unwrap();
     relighter.set_light(&light(transport)).unwrap();
     let mut out = vec![Vector3::zeros(); model.mesh.positions().len()];
     let eye = View::eye(model.camera.eye().cast()).unwrap();

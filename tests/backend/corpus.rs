@@ -1,5 +1,5 @@
-//! What every method for distant light per vertex promises. A method joins by a line at the end of this file and by saying how it is
-//! baked and what it does when it leaves nothing out ([`Method`]).
+//! What every method for distant light per vertex promises. A method joins by a line at the end of this file and by
+//! saying how it is baked and what it does when it leaves nothing out ([`Method`]).
 
 use std::fmt::Debug;
 use std::sync::Arc;

@@ -5,7 +5,7 @@ mod allocations;
 mod block_product;
 mod corpus;
 #[path = "../support/mod.rs"]
-mod shared;
+mod support;
 mod wavelet;
 mod wavelet_file;
 mod wavelet_range;

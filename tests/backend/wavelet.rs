@@ -194,7 +194,7 @@ fn light_view_and_materials_change_from_frame_to_frame() {
         let mut out = vec![Vector3::zeros(); stage.truth.len()];
         relighter.relight(&stage.view, &stage.materials, &mut out).unwrap();
         assert!(out.iter().all(|l| *l == Vector3::zeros()), "no light yet");
-        // Frame 1, another view, other materials, and back: the same bits as frame 1.
+        // LocalFrame 1, another view, other materials, and back: the same bits as frame 1.
         relighter.set_light(&stage.light).unwrap();
         relighter.relight(&stage.view, &stage.materials, &mut out).unwrap();
         let first = out.clone();
@@ -332,7 +332,7 @@ fn both_products_are_their_twins_whatever_is_kept() {
         let directions = DirectionTable::new(grid);
         let largest = stage.truth.iter().map(|l| l.amax()).fold(0.0, f64::max);
         for vertex in (0..stage.truth.len()).step_by(stage.truth.len() / 12) {
-            let (brdf, frame) = (stage.materials.brdf(vertex), stage.mesh.frame(vertex));
+            let (brdf, frame) = (stage.materials.brdf(vertex), stage.mesh.local_frame(vertex));
             let wo = stage.view.outgoing(brdf, &stage.mesh.positions()[vertex], &frame);
             // What the product keeps of a slice: of one plane if there is a colour, the same of all three otherwise.
             let mut slice = vec![0.0_f32; brdf.planes() * n];

@@ -1,4 +1,4 @@
-//! Files of wavelet double products that contradict themselves, put together by hand; found by fuzzing.
+//! Files of wavelet double products that contradict themselves, put together by hand.
 
 use haarmonic::Result;
 use haarmonic::backend::wavelet_double::{Relighter, Settings, Transport};

@@ -1,19 +1,15 @@
 //! Biclustering against the deterministic golden run, the naive twin, and its own laws.
 
-use crate::support::{golden, rational};
+use crate::support::{HAAR_AFFINE, cases, golden, number};
 use haarmonic::compress::{
-    BiclusterMove, BiclusterSettings, BiclusterStep, BiclusterTrace, Biclustering, Seeds, SparseMatrix,
+    BiclusterMove, BiclusterMultiplier, BiclusterSettings, BiclusterStep, BiclusterTrace, Biclustering, Seeds,
+    SparseMatrix,
 };
 use haarmonic::reference::compress as twin;
 use haarmonic::strategies::block_matrix;
-use haarmonic::{Error, Progress};
+use haarmonic::{Error, Progress, Real};
 use proptest::prelude::*;
 use serde_json::Value;
-
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
 
 fn dense(matrix: &SparseMatrix) -> Vec<Vec<i64>> {
     let row = |j| (0..matrix.columns()).map(|k| i64::from(matrix.level(j, k))).collect();
@@ -35,14 +31,14 @@ fn list(v: &Value) -> Vec<u64> {
 
 /// Values of the golden file are multiples of 1/4.
 fn level(v: &Value) -> i32 {
-    let level = rational(v) * 4.0;
+    let level = number(v) * 4.0;
     assert_eq!(level, level.round());
     level as i32
 }
 
 #[test]
 fn golden_run() {
-    let file = golden("bicluster");
+    let file = golden(HAAR_AFFINE, "bicluster");
     let runs = file["cases"].as_array().unwrap();
     assert!(runs.len() >= 3);
     for run in runs {
@@ -68,11 +64,11 @@ fn golden_run() {
         assert_eq!(stats.matrix_flops as u64, run["dense_cost_2nnz"].as_u64().unwrap());
         // Multiples of 1/4 times small integers: exact.
         let light: Vec<f64> = list(&run["L"]).iter().map(|&x| x as f64).collect();
-        let want: Vec<f64> = run["TL"].as_array().unwrap().iter().map(rational).collect();
+        let want: Vec<f64> = run["TL"].as_array().unwrap().iter().map(number).collect();
         let mut got = vec![f64::NAN; want.len()];
-        found.multiplier().multiply(&light, 1, &mut got);
+        product(&found.multiplier(), 1, &light, &mut got);
         assert_eq!(got, want);
-        matrix.multiply(&light, 1, &mut got);
+        matrix.multiply(&light, &mut got);
         assert_eq!(got, want);
     }
 }
@@ -127,7 +123,7 @@ fn magnitudes(found: &Biclustering, x: &[f64]) -> Vec<(f64, f64)> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn every_move_is_the_twins(matrix in block_matrix(14, 12)) {
@@ -199,12 +195,12 @@ proptest! {
         let x = right_hand_sides(matrix.columns());
         let want = twin::multiply_levels(&dense(&matrix), matrix.scale(), &x);
         let mut got = vec![f64::NAN; matrix.rows()];
-        found.multiplier().multiply(&x, 1, &mut got);
+        product(&found.multiplier(), 1, &x, &mut got);
         let narrow: Vec<f32> = x.iter().map(|&x| x as f32).collect();
         let mut got_f32 = vec![f32::NAN; matrix.rows()];
-        found.multiplier().multiply(&narrow, 1, &mut got_f32);
+        product(&found.multiplier(), 1, &narrow, &mut got_f32);
         let mut sparse = vec![f32::NAN; matrix.rows()];
-        matrix.multiply(&narrow, 1, &mut sparse);
+        matrix.multiply(&narrow, &mut sparse);
         for (row, (terms, sum)) in magnitudes(&found, &x).into_iter().enumerate() {
             // Each term is rounded once, and by each of the at most `terms` sums above it; narrowing x is one more.
             let off = |got: f64, eps: f64| (got - want[row]).abs() <= (terms + 2.0) * 0.5 * eps * sum;
@@ -220,14 +216,14 @@ proptest! {
         let plan = found.multiplier::<f32>();
         let x: Vec<f32> = right_hand_sides(matrix.columns() * sides).iter().map(|&x| x as f32).collect();
         let (mut all, mut sparse) = (vec![f32::NAN; matrix.rows() * sides], vec![f32::NAN; matrix.rows() * sides]);
-        plan.multiply(&x, sides, &mut all);
-        matrix.multiply(&x, sides, &mut sparse);
+        product(&plan, sides, &x, &mut all);
+        matrix.multiply_batch(sides, &x, &mut sparse);
         for side in 0..sides {
             let one: Vec<f32> = x.iter().skip(side).step_by(sides).copied().collect();
             let mut out = vec![f32::NAN; matrix.rows()];
-            plan.multiply(&one, 1, &mut out);
+            product(&plan, 1, &one, &mut out);
             prop_assert!(all.iter().skip(side).step_by(sides).zip(&out).all(|(a, b)| a.to_bits() == b.to_bits()));
-            matrix.multiply(&one, 1, &mut out);
+            matrix.multiply(&one, &mut out);
             prop_assert!(sparse.iter().skip(side).step_by(sides).zip(&out).all(|(a, b)| a.to_bits() == b.to_bits()));
         }
     }
@@ -255,7 +251,7 @@ fn same_for_any_number_of_threads() {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
             let found = Biclustering::new(&matrix, &settings, &()).unwrap();
             let mut out = vec![f32::NAN; 3 * matrix.rows()];
-            found.multiplier().multiply(&x, 3, &mut out);
+            product(&found.multiplier(), 3, &x, &mut out);
             (found, out.into_iter().map(f32::to_bits).collect::<Vec<_>>())
         })
     };
@@ -332,6 +328,11 @@ fn progress_counts_the_non_zeros_and_can_stop() {
     }
 }
 
+/// The product with `count` right-hand sides.
+fn product<T: Real>(plan: &BiclusterMultiplier<T>, count: usize, x: &[T], out: &mut [T]) {
+    plan.multiply_batch(count, x, out, &mut vec![T::zero(); plan.scratch_len(count)]);
+}
+
 #[test]
 fn degenerate_matrices() {
     let bicluster = |matrix: &SparseMatrix| Biclustering::new(matrix, &BiclusterSettings::default(), &()).unwrap();
@@ -341,9 +342,9 @@ fn degenerate_matrices() {
         let found = bicluster(&zero);
         assert!(found.is_empty() && found.to_matrix() == zero);
         let mut out = vec![f64::NAN; rows];
-        found.multiplier().multiply(&vec![1.0; columns], 1, &mut out);
+        product(&found.multiplier(), 1, &vec![1.0; columns], &mut out);
         assert_eq!(out, vec![0.0; rows]);
-        zero.multiply(&vec![1.0; columns], 1, &mut out);
+        zero.multiply(&vec![1.0; columns], &mut out);
         assert_eq!(out, vec![0.0; rows]);
         assert_eq!((found.stats().flops, found.stats().bytes), (0, 4 + 4 * (rows + 1)));
     }
@@ -439,14 +440,14 @@ fn wrong_lengths_panic() {
     let matrix = circle(4);
     let plan = Biclustering::new(&matrix, &BiclusterSettings::default(), &()).unwrap().multiplier::<f32>();
     let panics = |x: usize, out: usize, scratch: usize| {
-        let run = || plan.multiply_with_scratch(&vec![0.0; x], 2, &mut vec![0.0; out], &mut vec![0.0; scratch]);
+        let run = || plan.multiply_batch(2, &vec![0.0; x], &mut vec![0.0; out], &mut vec![0.0; scratch]);
         std::panic::catch_unwind(run).is_err()
     };
     let scratch = plan.scratch_len(2);
     assert!(!panics(192, 64, scratch));
     assert!(panics(191, 64, scratch) && panics(192, 63, scratch) && panics(192, 64, scratch + 1));
     let sparse = |x: usize, out: usize| {
-        std::panic::catch_unwind(|| matrix.multiply(&vec![0.0f32; x], 2, &mut vec![0.0; out])).is_err()
+        std::panic::catch_unwind(|| matrix.multiply_batch(2, &vec![0.0f32; x], &mut vec![0.0; out])).is_err()
     };
     assert!(!sparse(192, 64) && sparse(191, 64) && sparse(192, 65));
 }
@@ -458,7 +459,7 @@ fn what_is_not_finite_reaches_the_rows_of_its_biclusters() {
     let mut x = vec![1.0f32; matrix.columns()];
     x[30] = f32::NAN;
     let mut out = vec![0.0; matrix.rows()];
-    found.multiplier().multiply(&x, 1, &mut out);
+    product(&found.multiplier(), 1, &x, &mut out);
     let mut reached = 0;
     for row in 0..matrix.rows() {
         let uses = found.iter().any(|b| b.columns.contains(&30) && b.rows.contains(&(row as u32)));

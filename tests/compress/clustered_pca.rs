@@ -8,12 +8,7 @@ use haarmonic::strategies::clustered_rows;
 use haarmonic::{Error, Progress, Real};
 use proptest::prelude::*;
 
-use crate::support::{dot, flat, wide};
-
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(48);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::{Stream, cases, dot, flat, wide};
 
 fn labels<T: Real>(coded: &ClusteredPca<T>) -> Vec<usize> {
     coded.labels().iter().map(|&label| label as usize).collect()
@@ -78,8 +73,8 @@ fn check_result<T: Real>(
     Ok(())
 }
 
-/// Drops components that are made of rounding, and says whether the first k of the others are determined: whether variances stand apart where
-/// they are cut off.
+/// Drops components that are made of rounding, and says whether the first k of the others are determined: whether
+/// variances stand apart where they are cut off.
 fn drop_rounding(cluster: &mut twin::NaivePca, k: usize, noise: f64) -> bool {
     let v = &cluster.variances;
     let rank = v.iter().take_while(|&&x| x > 1e-9 * v[0] && x > 8e-3 * noise).count();
@@ -109,7 +104,8 @@ fn one_round<T: Real>(rows: &[Vec<f64>], clusters: usize, k: usize) -> Result<()
     let mut kept: Vec<usize> = want.clone();
     kept.sort_unstable();
     kept.dedup();
-    // Where components are determined and no two clusters are as good as each other but for rounding, the labels are the twin's.
+    // Where components are determined and no two clusters are as good as each other but for rounding, the labels are
+    // the twin's.
     let clear = rows.iter().zip(&want).all(|(row, &label)| {
         let distances = twin::cluster_distances(row, &fitted, k);
         (0..clusters).all(|c| c == label || distances[c] > distances[label] + noise::<T>(&rows))
@@ -123,15 +119,11 @@ fn one_round<T: Real>(rows: &[Vec<f64>], clusters: usize, k: usize) -> Result<()
 
 /// Rows that a generic process makes: `groups` of their own mean and plane, in turn.
 fn planted(rows: usize, columns: usize, groups: usize, plane: usize) -> Vec<f32> {
-    let mut state = 11u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    let bases: Vec<f64> = (0..groups * (plane + 1) * columns).map(|_| next()).collect();
+    let mut stream = Stream::new(11);
+    let bases: Vec<f64> = (0..groups * (plane + 1) * columns).map(|_| stream.signed()).collect();
     let row = |i: usize| {
         let basis = &bases[i % groups * (plane + 1) * columns..];
-        let weights: Vec<f64> = (0..plane).map(|_| next()).collect();
+        let weights: Vec<f64> = (0..plane).map(|_| stream.signed()).collect();
         let entry =
             |c: usize| (0..plane).fold(2.0 * basis[c], |sum, j| sum + weights[j] * basis[(j + 1) * columns + c]);
         (0..columns).map(|c| entry(c) as f32).collect::<Vec<f32>>()
@@ -140,7 +132,7 @@ fn planted(rows: usize, columns: usize, groups: usize, plane: usize) -> Vec<f32>
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn one_round_is_the_twins_f64(rows in clustered_rows(4, 12, 7), clusters in 1..5usize, k in 0..4usize) {
@@ -189,7 +181,7 @@ proptest! {
         let coded = ClusteredPca::new(&matrix, columns, &ClusteredPcaSettings::new(3, k), &()).unwrap();
         let x: Vec<f32> = (0..columns * sides).map(|i| ((i as f32 + 0.7) * 0.618_034).fract() * 3.0 - 1.0).collect();
         let mut got = vec![f32::NAN; rows.len() * sides];
-        coded.multiply(&x, sides, &mut got);
+        coded.multiply_batch(sides, &x, &mut got, &mut vec![0.0; coded.scratch_len(sides)]);
         let mut row = vec![0.0; columns];
         for i in 0..rows.len() {
             coded.reconstruct(i, &mut row);

@@ -6,12 +6,7 @@ use haarmonic::strategies::low_rank_rows;
 use haarmonic::{Error, Real};
 use proptest::prelude::*;
 
-use crate::support::{dot, flat, wide};
-
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(64);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::{Stream, cases, dot, flat, wide};
 
 /// Sketches as wide as the matrices below, which are not approximate.
 fn settings() -> impl Strategy<Value = PcaSettings> {
@@ -99,7 +94,7 @@ fn check<T: Real>(rows: &[Vec<f64>], settings: &PcaSettings) -> Result<(), TestC
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn f64_is_the_twin(rows in low_rank_rows(25, 12), settings in settings()) {
@@ -146,31 +141,23 @@ proptest! {
     }
 }
 
-/// Pseudo-random numbers in (−1, 1).
-fn noise(seed: u64) -> impl FnMut() -> f64 {
-    let mut state = seed;
-    move || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-}
-
 /// Rows = Σ_j 2^{−j/2}·(random)·direction_j + 1e-3 noise; more rows and columns than any tile or task takes at once.
 fn large<T: Real>(rows: usize, columns: usize) -> Vec<T> {
-    let mut next = noise(7);
-    let directions: Vec<f64> = (0..12 * columns).map(|_| next()).collect();
+    let mut stream = Stream::new(7);
+    let directions: Vec<f64> = (0..12 * columns).map(|_| stream.signed()).collect();
     let mut out = Vec::with_capacity(rows * columns);
     for _ in 0..rows {
-        let weights: Vec<f64> = (0..12).map(|j| next() * (-0.5 * f64::from(j)).exp2()).collect();
+        let weights: Vec<f64> = (0..12).map(|j| stream.signed() * (-0.5 * f64::from(j)).exp2()).collect();
         for c in 0..columns {
             let sum: f64 = weights.iter().enumerate().map(|(j, w)| w * directions[j * columns + c]).sum();
-            out.push(T::of(3.0 + sum + 1e-3 * next()));
+            out.push(T::of(3.0 + sum + 1e-3 * stream.signed()));
         }
     }
     out
 }
 
-/// Beyond every block of the products, tall and wide: the randomised method has the exact one's variances, and both hold what they promise.
+/// Beyond every block of the products, tall and wide: the randomised method has the exact one's variances, and both
+/// hold what they promise.
 fn both_methods_agree<T: Real>(rows: usize, columns: usize, tolerance: f64) {
     let matrix = large::<T>(rows, columns);
     for centre in [Centre::Mean, Centre::Origin] {

@@ -7,10 +7,7 @@ use haarmonic::compress::{
 use haarmonic::reference::compress as twin;
 use proptest::prelude::*;
 
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|v| v.parse().ok()).unwrap_or(64);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::cases;
 
 #[test]
 fn every_half_is_what_the_definition_says_and_comes_back() {
@@ -82,7 +79,7 @@ fn values() -> impl Strategy<Value = (usize, Vec<f64>)> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn halves_are_the_nearest(x in prop_oneof![-70000.0..70000.0f64, -1e-4..1e-4f64, -1e-7..1e-7f64, -2.0..2.0f64]) {

@@ -1,22 +1,13 @@
 //! Differential coding against golden values and the naive twins; damaged bytes.
 
-use crate::support::golden;
+use crate::support::{HAAR_AFFINE, cases, golden, numbers};
 use haarmonic::compress::{
-    BinaryMap, BinaryMaps, GrayMaps, MapIndex, MapState, Scan, ScanOrder, decode_gaps, encode_gaps, suffix_sums,
+    CodedBinaryMap, CodedBinaryMaps, CodedGrayMaps, MapIndex, MapState, Scan, ScanOrder, decode_gaps, encode_gaps,
+    suffix_sums,
 };
 use haarmonic::reference::compress as twin;
 use haarmonic::{Error, strategies};
 use proptest::prelude::*;
-
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
 
 fn unhex(value: &serde_json::Value) -> Vec<u8> {
     let text = value.as_str().unwrap();
@@ -39,8 +30,8 @@ fn sums_of(signal: &[f64]) -> Vec<f64> {
 
 #[test]
 fn golden_values_are_reproduced() {
-    let file = golden("visibility_differential");
-    let (mut maps, mut places) = (BinaryMaps::<u8>::new(256).unwrap(), Vec::new());
+    let file = golden(HAAR_AFFINE, "visibility_differential");
+    let (mut maps, mut places) = (CodedBinaryMaps::<u8>::new(256).unwrap(), Vec::new());
     for case in file["binary"].as_array().unwrap() {
         let map: Vec<bool> = case["V_bits"].as_str().unwrap().bytes().map(|b| b == b'1').collect();
         let (light, sums) = (numbers(&case["L"]), numbers(&case["L_int"]));
@@ -66,7 +57,7 @@ fn golden_values_are_reproduced() {
     }
     for case in file["gray"].as_array().unwrap() {
         let levels: Vec<u8> = numbers(&case["V_times_64"]).iter().map(|&x| x as u8).collect();
-        let mut maps = GrayMaps::<u8>::new(256, 64).unwrap();
+        let mut maps = CodedGrayMaps::<u8>::new(256, 64).unwrap();
         maps.push_levels(&levels);
         maps.push_values(&levels.iter().map(|&x| f64::from(x) / 64.0).collect::<Vec<_>>());
         for map in maps.iter() {
@@ -84,7 +75,7 @@ fn golden_values_are_reproduced() {
 fn round_trip<I: MapIndex>(map: &[bool]) {
     let (len, values) = (map.len(), to_numbers(map));
     let differences = twin::differences(&values);
-    let mut maps = BinaryMaps::<I>::new(len).unwrap();
+    let mut maps = CodedBinaryMaps::<I>::new(len).unwrap();
     maps.push_bools(map);
     // Bits beyond the map do not matter.
     let mut bits = to_bits(map);
@@ -93,7 +84,7 @@ fn round_trip<I: MapIndex>(map: &[bool]) {
     }
     maps.push_bits(&bits);
     let copy = maps.map(0).changes().to_vec();
-    maps.push(BinaryMap::new(&copy, len).unwrap());
+    maps.push(CodedBinaryMap::new(&copy, len).unwrap());
     let (first, other) = (maps.clone(), maps.clone());
     maps.append(&other);
     assert_eq!(maps.len(), 6);
@@ -115,7 +106,7 @@ fn round_trip<I: MapIndex>(map: &[bool]) {
         assert_eq!(words, to_bits(map));
     }
     let bytes = maps.to_bytes();
-    assert_eq!(BinaryMaps::<I>::from_bytes(&bytes).as_ref(), Ok(&maps));
+    assert_eq!(CodedBinaryMaps::<I>::from_bytes(&bytes).as_ref(), Ok(&maps));
     let header = 6 + twin::varint(len as u64).len() + twin::varint(6).len();
     let mut before = 0;
     let gaps = differences.iter().map(|d| twin::varint((d.0 - std::mem::replace(&mut before, d.0)) as u64).len());
@@ -137,7 +128,7 @@ fn any_map() -> impl Strategy<Value = Vec<bool>> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn maps_survive_every_form(map in any_map(), visible in strategies::visibility_map(16, 16)) {
@@ -153,7 +144,7 @@ proptest! {
     #[test]
     fn slices_are_the_maps_of_their_range(levels in prop::collection::vec(strategies::level_map(70, 3), 0..6)) {
         let of = |range: &[Vec<u8>]| {
-            let (mut binary, mut gray) = (BinaryMaps::<u8>::new(70).unwrap(), GrayMaps::<u8>::new(70, 3).unwrap());
+            let (mut binary, mut gray) = (CodedBinaryMaps::<u8>::new(70).unwrap(), CodedGrayMaps::<u8>::new(70, 3).unwrap());
             for levels in range {
                 binary.push_bools(&levels.iter().map(|&level| level > 0).collect::<Vec<_>>());
                 gray.push_levels(levels);
@@ -179,7 +170,7 @@ proptest! {
         })
     ) {
         let len = map.len();
-        let mut maps = BinaryMaps::<u16>::new(len).unwrap();
+        let mut maps = CodedBinaryMaps::<u16>::new(len).unwrap();
         maps.push_bools(&map);
         let (values, coded) = (to_numbers(&map), maps.map(0));
         let want: f64 = values.iter().zip(&light).map(|(v, l)| v * l).sum();
@@ -218,7 +209,7 @@ proptest! {
     ) {
         let len = levels.len();
         let values: Vec<f64> = levels.iter().map(|&l| f64::from(l) / f64::from(top)).collect();
-        let mut maps = GrayMaps::<u16>::new(len, top).unwrap();
+        let mut maps = CodedGrayMaps::<u16>::new(len, top).unwrap();
         maps.push_levels(&levels);
         maps.push_values(&values);
         let other = maps.clone();
@@ -238,7 +229,7 @@ proptest! {
             prop_assert!((coded.masked_dot(&light, &vec![1.0; len]) - want).abs() <= tolerance);
         }
         let bytes = maps.to_bytes();
-        prop_assert_eq!(&GrayMaps::<u16>::from_bytes(&bytes).unwrap(), &maps);
+        prop_assert_eq!(&CodedGrayMaps::<u16>::from_bytes(&bytes).unwrap(), &maps);
         let stats = maps.stats();
         prop_assert_eq!((stats.maps, stats.changes, stats.bytes_in_file), (4, 4 * differences.len(), bytes.len()));
         prop_assert_eq!(stats.bytes_in_memory, 4 * (4 + 3 * differences.len()));
@@ -248,7 +239,7 @@ proptest! {
     /// Half a step of rounding at most, out of range clamped, NaN 0; and more bits are closer.
     #[test]
     fn quantisation_is_to_the_nearest_level(values in prop::collection::vec(-0.5..1.5_f64, 1..80), bits in 1u32..9) {
-        let mut maps = GrayMaps::<u8>::with_bits(values.len(), bits).unwrap();
+        let mut maps = CodedGrayMaps::<u8>::with_bits(values.len(), bits).unwrap();
         maps.push_values(&values);
         let top = f64::from(maps.top());
         prop_assert_eq!(top, f64::from(bits).exp2() - 1.0);
@@ -268,7 +259,7 @@ proptest! {
         let mut changes = vec![7u8];
         match decode_gaps::<u8>(&bytes, len, &mut changes) {
             Ok(()) => {
-                prop_assert!(BinaryMap::new(&changes[1..], len).is_ok());
+                prop_assert!(CodedBinaryMap::new(&changes[1..], len).is_ok());
                 let mut again = Vec::new();
                 encode_gaps(&changes[1..], &mut again);
                 prop_assert_eq!(&again, &bytes);
@@ -280,10 +271,10 @@ proptest! {
         }
         for kind in 0..2 {
             bytes.splice(0..0, [b'h', b'r', b'u', b'n', 1, kind]);
-            if let Ok(maps) = BinaryMaps::<u8>::from_bytes(&bytes) {
+            if let Ok(maps) = CodedBinaryMaps::<u8>::from_bytes(&bytes) {
                 prop_assert_eq!(maps.to_bytes(), &bytes[..]);
             }
-            if let Ok(maps) = GrayMaps::<u32>::from_bytes(&bytes) {
+            if let Ok(maps) = CodedGrayMaps::<u32>::from_bytes(&bytes) {
                 prop_assert_eq!(maps.to_bytes(), &bytes[..]);
             }
             bytes.drain(..6);
@@ -297,15 +288,15 @@ proptest! {
         levels in prop::collection::vec(strategies::level_map(100, 9), 1..5),
         bit in any::<prop::sample::Index>(),
     ) {
-        let mut binary = BinaryMaps::<u16>::new(100).unwrap();
+        let mut binary = CodedBinaryMaps::<u16>::new(100).unwrap();
         maps.iter().for_each(|map| binary.push_bools(map));
-        let mut gray = GrayMaps::<u16>::new(100, 9).unwrap();
+        let mut gray = CodedGrayMaps::<u16>::new(100, 9).unwrap();
         levels.iter().for_each(|map| gray.push_levels(map));
         for (mut bytes, is_binary) in [(binary.to_bytes(), true), (gray.to_bytes(), false)] {
             let read = |bytes: &[u8]| if is_binary {
-                BinaryMaps::<u16>::from_bytes(bytes).map(|maps| maps.to_bytes())
+                CodedBinaryMaps::<u16>::from_bytes(bytes).map(|maps| maps.to_bytes())
             } else {
-                GrayMaps::<u16>::from_bytes(bytes).map(|maps| maps.to_bytes())
+                CodedGrayMaps::<u16>::from_bytes(bytes).map(|maps| maps.to_bytes())
             };
             for cut in 0..bytes.len() {
                 prop_assert!(read(&bytes[..cut]).is_err(), "cut at {}", cut);
@@ -374,7 +365,7 @@ fn hilberts_curve_is_its_definition() {
 
 #[test]
 fn constant_maps_are_as_the_paper_says() {
-    let mut maps = BinaryMaps::<u8>::new(256).unwrap();
+    let mut maps = CodedBinaryMaps::<u8>::new(256).unwrap();
     maps.push_bits(&[0; 4]);
     maps.push_bits(&[!0; 4]);
     maps.push_bools(&(0..256).map(|i| i % 2 == 0).collect::<Vec<_>>());
@@ -390,7 +381,7 @@ fn constant_maps_are_as_the_paper_says() {
     assert_eq!((stats.all_zero, stats.all_one, stats.changes, stats.changes_of_mixed), (1, 1, 258, 257));
     assert_eq!(stats.mean_changes_of_mixed(), 128.5);
     assert_eq!(maps.stats().mean_bytes_in_file(), stats.bytes_in_file as f64 / 4.0);
-    assert_eq!(BinaryMaps::<u8>::new(3).unwrap().stats().mean_bytes_in_file(), 0.0);
+    assert_eq!(CodedBinaryMaps::<u8>::new(3).unwrap().stats().mean_bytes_in_file(), 0.0);
 }
 
 /// The smallest number that needs each length of varint, and the ways not to write it.
@@ -425,13 +416,13 @@ fn gaps_have_one_form() {
 
 #[test]
 fn impossible_maps_are_refused() {
-    assert!(BinaryMaps::<u8>::new(0).is_err() && BinaryMaps::<u8>::new(257).is_err());
-    assert!(BinaryMaps::<u8>::new(256).is_ok() && BinaryMaps::<u16>::new(65536).is_ok());
-    assert!(BinaryMaps::<u16>::new(65537).is_err() && BinaryMaps::<u32>::new(1 << 32).is_ok());
-    assert!(BinaryMap::<u8>::new(&[3, 3], 256).is_err() && BinaryMap::<u8>::new(&[3, 2], 256).is_err());
-    assert!(BinaryMap::<u8>::new(&[3], 3).is_err() && BinaryMap::<u8>::new(&[2], 3).is_ok());
-    assert!(GrayMaps::<u8>::new(9, 0).is_err());
-    assert!(GrayMaps::<u8>::with_bits(9, 0).is_err() && GrayMaps::<u8>::with_bits(9, 9).is_err());
+    assert!(CodedBinaryMaps::<u8>::new(0).is_err() && CodedBinaryMaps::<u8>::new(257).is_err());
+    assert!(CodedBinaryMaps::<u8>::new(256).is_ok() && CodedBinaryMaps::<u16>::new(65536).is_ok());
+    assert!(CodedBinaryMaps::<u16>::new(65537).is_err() && CodedBinaryMaps::<u32>::new(1 << 32).is_ok());
+    assert!(CodedBinaryMap::<u8>::new(&[3, 3], 256).is_err() && CodedBinaryMap::<u8>::new(&[3, 2], 256).is_err());
+    assert!(CodedBinaryMap::<u8>::new(&[3], 3).is_err() && CodedBinaryMap::<u8>::new(&[2], 3).is_ok());
+    assert!(CodedGrayMaps::<u8>::new(9, 0).is_err());
+    assert!(CodedGrayMaps::<u8>::with_bits(9, 0).is_err() && CodedGrayMaps::<u8>::with_bits(9, 9).is_err());
     for (order, width, height) in [
         (ScanOrder::RowMajor, 0, 4),
         (ScanOrder::RowMajor, 1 << 40, 1 << 40),
@@ -440,19 +431,19 @@ fn impossible_maps_are_refused() {
     ] {
         assert!(Scan::new(order, width, height).is_err() && Scan::turned(order, width, height).is_err());
     }
-    let mut gray = GrayMaps::<u8>::with_bits(3, 8).unwrap();
+    let mut gray = CodedGrayMaps::<u8>::with_bits(3, 8).unwrap();
     gray.push_values(&[f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
     assert_eq!((gray.map(0).changes(), gray.map(0).levels()), (&[1, 2][..], &[255, 0][..]));
     // A count that lies fails at once, and not in the allocator.
     let lie = [b"hrun\x01\x00\x04".as_slice(), &twin::varint(1 << 60)].concat();
-    assert!(matches!(BinaryMaps::<u8>::from_bytes(&lie), Err(Error::Damaged { .. })));
+    assert!(matches!(CodedBinaryMaps::<u8>::from_bytes(&lie), Err(Error::Damaged { .. })));
     let other = [b"hrun\x02\x00\x04\x00".as_slice(), b"hrun\x01\x01\x04\x00", b"hrum\x01\x00\x04\x00", b""];
-    assert!(other.iter().all(|bytes| BinaryMaps::<u8>::from_bytes(bytes).is_err()));
-    assert!(BinaryMaps::<u8>::from_bytes(b"hrun\x01\x00\x04\x00").unwrap().is_empty());
+    assert!(other.iter().all(|bytes| CodedBinaryMaps::<u8>::from_bytes(bytes).is_err()));
+    assert!(CodedBinaryMaps::<u8>::from_bytes(b"hrun\x01\x00\x04\x00").unwrap().is_empty());
     // A level that repeats, and one above the top.
     let gray = |levels: [u8; 2]| [b"hrun\x01\x01\x04\x01\x07\x02\x01\x01".as_slice(), &levels].concat();
-    assert!(GrayMaps::<u8>::from_bytes(&gray([7, 3])).is_ok());
-    assert!([[3, 3], [0, 3], [3, 8]].iter().all(|&levels| GrayMaps::<u8>::from_bytes(&gray(levels)).is_err()));
+    assert!(CodedGrayMaps::<u8>::from_bytes(&gray([7, 3])).is_ok());
+    assert!([[3, 3], [0, 3], [3, 8]].iter().all(|&levels| CodedGrayMaps::<u8>::from_bytes(&gray(levels)).is_err()));
 }
 
 fn panics(f: impl FnOnce() + std::panic::UnwindSafe) -> bool {
@@ -462,14 +453,14 @@ fn panics(f: impl FnOnce() + std::panic::UnwindSafe) -> bool {
 #[test]
 fn wrong_lengths_panic() {
     let maps = || {
-        let mut maps = BinaryMaps::<u8>::new(65).unwrap();
+        let mut maps = CodedBinaryMaps::<u8>::new(65).unwrap();
         maps.push_bools(&[true; 65]);
         maps
     };
     assert!(panics(|| maps().push_bits(&[0])));
     assert!(panics(|| maps().push_bools(&[true; 64])));
-    assert!(panics(|| maps().append(&BinaryMaps::new(64).unwrap())));
-    assert!(panics(|| maps().push(BinaryMap::new(&[], 64).unwrap())));
+    assert!(panics(|| maps().append(&CodedBinaryMaps::new(64).unwrap())));
+    assert!(panics(|| maps().push(CodedBinaryMap::new(&[], 64).unwrap())));
     assert!(panics(|| {
         maps().map(1).dot(&[0.0; 65]);
     }));
@@ -485,9 +476,9 @@ fn wrong_lengths_panic() {
     assert!(panics(|| suffix_sums(2, &[0.0; 3], &mut [0.0; 3])));
     assert!(panics(|| suffix_sums(2, &[0.0; 4], &mut [0.0; 2])));
     assert!(panics(|| encode_gaps(&[3u8, 3], &mut Vec::new())));
-    assert!(panics(|| GrayMaps::<u8>::new(1, 3).unwrap().push_levels(&[4])));
-    assert!(panics(|| GrayMaps::<u8>::new(1, 3).unwrap().append(&GrayMaps::new(1, 4).unwrap())));
-    let gray = || GrayMaps::<u8>::with_bits(1, 2).unwrap();
+    assert!(panics(|| CodedGrayMaps::<u8>::new(1, 3).unwrap().push_levels(&[4])));
+    assert!(panics(|| CodedGrayMaps::<u8>::new(1, 3).unwrap().append(&CodedGrayMaps::new(1, 4).unwrap())));
+    let gray = || CodedGrayMaps::<u8>::with_bits(1, 2).unwrap();
     for (start, end) in [(0, 2), (2, 2), (1, 0)] {
         assert!(panics(|| drop(maps().slice(start..end))));
         assert!(panics(|| drop(gray().slice(start..end))));
@@ -504,7 +495,7 @@ fn a_sun_in_the_block_needs_wide_sums() {
     let mut map = vec![true; 256];
     map[150..].fill(false);
     map[0] = false;
-    let mut maps = BinaryMaps::<u8>::new(256).unwrap();
+    let mut maps = CodedBinaryMaps::<u8>::new(256).unwrap();
     maps.push_bools(&map);
     let (mut narrow, mut wide) = (vec![0.0f32; 256], vec![0.0f64; 256]);
     let dimmed: Vec<f32> = light.iter().map(|l| l / 3.0).collect();
@@ -522,7 +513,7 @@ fn paths_of_neighbours_save_two_changes_in_five() {
     let mut stats = Vec::new();
     for order in [ScanOrder::RowMajor, ScanOrder::Serpentine, ScanOrder::Hilbert] {
         let scan = Scan::new(order, 16, 16).unwrap();
-        let mut maps = BinaryMaps::<u8>::new(256).unwrap();
+        let mut maps = CodedBinaryMaps::<u8>::new(256).unwrap();
         for face in 0..60 {
             // Half-planes and discs at angles and places without a pattern.
             let turn = |k: usize| (face * 7 + k * 3) as f64 * 2.399_963_2 % std::f64::consts::TAU;

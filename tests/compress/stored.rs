@@ -4,20 +4,12 @@ use std::fmt::Debug;
 
 use haarmonic::Error;
 use haarmonic::compress::{
-    Bicluster, BiclusterSettings, Biclustering, BinaryMaps, ByteBlocks, ClusteredPca, ClusteredPcaSettings, Distortion,
-    GrayMaps, Pca, PcaSettings, QuantisedBytes, QuantisedHalf, SparseMatrix,
+    Bicluster, BiclusterSettings, Biclustering, ByteBlocks, ClusteredPca, ClusteredPcaSettings, CodedBinaryMaps,
+    CodedGrayMaps, Distortion, Pca, PcaSettings, QuantisedBytes, QuantisedHalf, SparseMatrix,
 };
 use haarmonic::store::{Kind, Stored};
 
-/// Pseudo-random numbers in [−1, 1).
-fn numbers(len: usize) -> Vec<f64> {
-    let mut state = 5_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
-}
+use crate::support::random;
 
 fn bytes_of(stored: &impl Stored) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -25,8 +17,8 @@ fn bytes_of(stored: &impl Stored) -> Vec<u8> {
     bytes
 }
 
-/// Round trip, every cut, every flipped bit; and every bit that is flipped under a good checksum gives an error or something that can be
-/// stored itself.
+/// Round trip, every cut, every flipped bit; and every bit that is flipped under a good checksum gives an error or
+/// something that can be stored itself.
 fn keeps<S: Stored + PartialEq + Debug>(stored: &S, kind: Kind) {
     assert_eq!(S::kind(), kind);
     let good = bytes_of(stored);
@@ -63,34 +55,36 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn maps() {
-    let mut binary = BinaryMaps::<u8>::new(100).unwrap();
-    let mut wide = BinaryMaps::<u16>::new(300).unwrap();
-    let mut gray = GrayMaps::<u8>::new(64, 15).unwrap();
-    for (k, numbers) in numbers(5 * 300).chunks(300).enumerate() {
+    let mut binary = CodedBinaryMaps::<u8>::new(100).unwrap();
+    let mut wide = CodedBinaryMaps::<u16>::new(300).unwrap();
+    let mut gray = CodedGrayMaps::<u8>::new(64, 15).unwrap();
+    for (k, numbers) in random(5 * 300, 5).chunks(300).enumerate() {
         let bits: Vec<bool> = numbers.iter().map(|x| x.abs() < 0.2 * k as f64).collect();
         binary.push_bools(&bits[..100]);
         wide.push_bools(&bits);
         gray.push_levels(&numbers[..64].iter().map(|x| (x.abs() * 15.9) as u8 / 4 * 4).collect::<Vec<_>>());
     }
-    keeps(&binary, Kind::BinaryMaps);
-    keeps(&wide, Kind::BinaryMaps);
-    keeps(&gray, Kind::GrayMaps);
-    keeps(&BinaryMaps::<u8>::new(1).unwrap(), Kind::BinaryMaps);
+    keeps(&binary, Kind::CodedBinaryMaps);
+    keeps(&wide, Kind::CodedBinaryMaps);
+    keeps(&gray, Kind::CodedGrayMaps);
+    keeps(&CodedBinaryMaps::<u8>::new(1).unwrap(), Kind::CodedBinaryMaps);
     // Maps of 16-bit places are not those of 8 bits.
-    assert!(BinaryMaps::<u8>::read_from(&bytes_of(&wide)[..]).is_err());
-    assert!(GrayMaps::<u8>::read_from(&bytes_of(&binary)[..]).unwrap_err().to_string().contains("expected gray maps"));
+    assert!(CodedBinaryMaps::<u8>::read_from(&bytes_of(&wide)[..]).is_err());
+    assert!(
+        CodedGrayMaps::<u8>::read_from(&bytes_of(&binary)[..]).unwrap_err().to_string().contains("expected gray maps")
+    );
 }
 
 #[test]
 fn many_maps_take_several_sections() {
-    let mut maps = BinaryMaps::<u8>::new(8).unwrap();
+    let mut maps = CodedBinaryMaps::<u8>::new(8).unwrap();
     (0..150_000_u32).for_each(|k| maps.push_bits(&[u64::from(k % 251)]));
-    assert_eq!(BinaryMaps::read_from(&bytes_of(&maps)[..]), Ok(maps));
+    assert_eq!(CodedBinaryMaps::read_from(&bytes_of(&maps)[..]), Ok(maps));
 }
 
 #[test]
 fn components() {
-    let matrix = numbers(12 * 5);
+    let matrix = random(12 * 5, 5);
     let pca = Pca::new(&matrix, 5, &PcaSettings::new(2)).unwrap();
     keeps(&pca, Kind::Pca);
     let narrow: Vec<f32> = matrix.iter().map(|&x| x as f32).collect();
@@ -105,7 +99,7 @@ fn components() {
 
 #[test]
 fn quantised_numbers() {
-    let values = numbers(23 * 2);
+    let values = random(23 * 2, 5);
     keeps(&QuantisedHalf::new(&values).unwrap(), Kind::QuantisedHalf);
     keeps(&QuantisedHalf::new::<f32>(&[]).unwrap(), Kind::QuantisedHalf);
     for blocks in [ByteBlocks::Rows, ByteBlocks::Columns, ByteBlocks::Runs(7)] {

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use exr::prelude::{Blocks, SampleType, Vec2};
 use haarmonic::backend::{block_product, wavelet_double, wavelet_triple};
 use haarmonic::compress::{
-    BiclusterSettings, Biclustering, BinaryMaps, ByteBlocks, ClusteredPca, ClusteredPcaSettings, GrayMaps, Pca,
-    PcaSettings, QuantisedBytes, QuantisedHalf, ScanOrder, SparseMatrix,
+    BiclusterSettings, Biclustering, ByteBlocks, ClusteredPca, ClusteredPcaSettings, CodedBinaryMaps, CodedGrayMaps,
+    Pca, PcaSettings, QuantisedBytes, QuantisedHalf, ScanOrder, SparseMatrix,
 };
 use haarmonic::io::{Image, encode_exr, encode_hdr, encode_ply, encode_png_srgb8};
 use haarmonic::nalgebra::Vector3;
@@ -274,11 +274,12 @@ fn stored() {
         write("store", [(name.into(), settings, file)]);
     }
     let (mut binary, mut medium, mut wide) = (
-        BinaryMaps::<u8>::new(100).unwrap(),
-        BinaryMaps::<u16>::new(300).unwrap(),
-        BinaryMaps::<u32>::new(70_000).unwrap(),
+        CodedBinaryMaps::<u8>::new(100).unwrap(),
+        CodedBinaryMaps::<u16>::new(300).unwrap(),
+        CodedBinaryMaps::<u32>::new(70_000).unwrap(),
     );
-    let (mut gray, mut gray_medium) = (GrayMaps::<u8>::new(64, 15).unwrap(), GrayMaps::<u16>::new(300, 255).unwrap());
+    let (mut gray, mut gray_medium) =
+        (CodedGrayMaps::<u8>::new(64, 15).unwrap(), CodedGrayMaps::<u16>::new(300, 255).unwrap());
     for (k, numbers) in numbers(4 * 300).chunks(300).enumerate() {
         let bits: Vec<bool> = numbers.iter().map(|x| x.abs() < 0.2 * k as f64).collect();
         binary.push_bools(&bits[..100]);
@@ -290,7 +291,7 @@ fn stored() {
     put("binary_8", NARROW, &binary);
     put("binary_16", PLACES_16, &medium);
     put("binary_32", PLACES_32, &wide);
-    put("binary_none", NARROW, &BinaryMaps::<u8>::new(1).unwrap());
+    put("binary_none", NARROW, &CodedBinaryMaps::<u8>::new(1).unwrap());
     put("gray_8", NARROW, &gray);
     put("gray_16", PLACES_16, &gray_medium);
 

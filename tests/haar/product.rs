@@ -1,30 +1,20 @@
 //! Tripling coefficients, products and product integrals of Haar signals against golden values and naive twins.
 
-use crate::support::{assert_close, golden};
+use crate::support::{HAAR_AFFINE, Stream, assert_close, cases, golden, half_power, narrow, number};
 use haarmonic::Real;
 use haarmonic::haar::{
     BinaryTree, BitPyramid, BitPyramidRef, Factor, MaskedSum, MeanTree, NFoldProduct, Product1d, Product2d, Quadtree,
-    Route, SparseNodes, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d,
-    rows_to_morton, tripling_1d, tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d,
-    tripling_nonzeros_2d, upper_means,
+    Route, SparseVector, TripleProduct, Tripling, Visibility, multiply_sparse_1d, multiply_sparse_2d, tripling_1d,
+    tripling_2d, tripling_count_1d, tripling_count_2d, tripling_nonzeros_1d, tripling_nonzeros_2d,
 };
 use haarmonic::reference::haar as naive;
 use haarmonic::reference::haar::{NgTree, NgTripleProduct};
 use proptest::prelude::*;
 use serde_json::Value;
 
-fn rational(text: &str) -> f64 {
-    let (p, q) = text.split_once('/').unwrap_or((text, "1"));
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap()
-}
-
 /// A number, a rational, or [m, e] = m·2^{e/2}.
-fn number(v: &Value) -> f64 {
-    match v {
-        Value::String(text) => rational(text),
-        Value::Array(pair) => rational(pair[0].as_str().unwrap()) * 2f64.powf(pair[1].as_f64().unwrap() / 2.0),
-        _ => v.as_f64().unwrap(),
-    }
+fn value(v: &Value) -> f64 {
+    v.as_array().map_or_else(|| number(v), |pair| half_power(&pair[0], &pair[1]))
 }
 
 fn indices(v: &Value) -> Vec<usize> {
@@ -32,16 +22,12 @@ fn indices(v: &Value) -> Vec<usize> {
 }
 
 fn image(v: &Value) -> Vec<f64> {
-    v.as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap().iter().map(number)).collect()
+    v.as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap().iter().map(value)).collect()
 }
 
 /// Coefficients narrowed to T, zeros dropped.
 fn sparse<T: Real>(dense: &[f64]) -> SparseVector<T> {
     SparseVector::from_dense(&narrow::<T>(dense))
-}
-
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
 }
 
 fn abs(x: &[f64]) -> Vec<f64> {
@@ -50,14 +36,14 @@ fn abs(x: &[f64]) -> Vec<f64> {
 
 #[test]
 fn golden_tripling_1d() {
-    let file = golden("stc_1d");
+    let file = golden(HAAR_AFFINE, "stc_1d");
     let size = file["N"].as_u64().unwrap() as usize;
     let entries = file["nonzero"].as_array().unwrap();
     let mut listed = tripling_nonzeros_1d(size).unwrap();
     for e in entries {
         let ([i, j, k], value) = listed.next().expect("as many non-zeros as the golden file");
         assert_eq!([i, j, k], [0, 1, 2].map(|n| e[n].as_u64().unwrap() as usize));
-        let want = number(&Value::Array(vec![e[3].clone(), e[4].clone()]));
+        let want = half_power(&e[3], &e[4]);
         assert_eq!(value.value::<f64>(), want);
         assert_eq!(value.value::<f32>(), want as f32);
         assert_eq!(tripling_1d(k, i, j), value);
@@ -68,7 +54,7 @@ fn golden_tripling_1d() {
 
 #[test]
 fn golden_tripling_2d() {
-    let file = golden("stc_2d_nonstandard");
+    let file = golden(HAAR_AFFINE, "stc_2d_nonstandard");
     let side = file["N"].as_u64().unwrap() as usize;
     // The file lists its basis as (kind, level, x, y) in an order of its own.
     let flat: Vec<usize> = file["basis"]
@@ -87,7 +73,7 @@ fn golden_tripling_2d() {
         .map(|e| {
             let mut triple = [0, 1, 2].map(|n| flat[e[n].as_u64().unwrap() as usize]);
             triple.sort_unstable();
-            (triple, number(&e[3]))
+            (triple, value(&e[3]))
         })
         .collect();
     want.sort_by_key(|e| e.0);
@@ -179,11 +165,11 @@ fn pixel_truth(light: &[f64], brdf: &[f64], visibility: &[f64]) -> (f64, f64) {
 
 #[test]
 fn golden_triple_products() {
-    for case in golden("products_2d")["triple"].as_array().unwrap() {
+    for case in golden(HAAR_AFFINE, "products_2d")["triple"].as_array().unwrap() {
         let [l, v, r] = ["L", "V", "R"].map(|name| naive::forward_nonstandard(&image(&case[name])));
         let keep = indices(&case["truncated_L_keep_nonstandard"]);
         let truncated: Vec<f64> = (0..l.len()).map(|i| if keep.contains(&i) { l[i] } else { 0.0 }).collect();
-        for (light, want) in [(&l, number(&case["triple"])), (&truncated, number(&case["triple_truncated_L"]))] {
+        for (light, want) in [(&l, value(&case["triple"])), (&truncated, value(&case["triple_truncated_L"]))] {
             let (_, scale) = pixel_truth(light, &r, &v);
             for (route, got) in every_route::<f64>(light, &r, &v) {
                 assert_close(got, want, 2e-14 * want.abs(), route);
@@ -203,24 +189,20 @@ fn golden_n_fold_products() {
             maps.iter().map(|m| Quadtree::new(&sparse::<T>(&naive::forward_nonstandard(m))).unwrap()).collect();
         let trees: Vec<_> = trees.iter().collect();
         let mut product = NFoldProduct::new();
-        let want = number(&case["integral"]);
+        let want = value(&case["integral"]);
         assert_close(product.integral(&trees), want, tolerance * want, "integral");
         let got = product.coefficients(&trees).to_dense();
-        let want: Vec<f64> = case["product_nonstandard"].as_array().unwrap().iter().map(number).collect();
+        let want: Vec<f64> = case["product_nonstandard"].as_array().unwrap().iter().map(value).collect();
         assert_eq!(got.len(), want.len());
         let scale = want.iter().fold(0.0, |m: f64, w| m.max(w.abs()));
         for (i, (got, want)) in got.iter().zip(&want).enumerate() {
             assert_close(got.widen(), *want, tolerance * scale, &format!("coefficient {i}"));
         }
     }
-    for case in golden("products_2d")["nfold"].as_array().unwrap() {
+    for case in golden(HAAR_AFFINE, "products_2d")["nfold"].as_array().unwrap() {
         check::<f64>(case, 2e-14);
         check::<f32>(case, 3e-7);
     }
-}
-
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48)
 }
 
 /// Coefficients with random sparsity (empty and full included) over the given number.
@@ -254,10 +236,10 @@ fn agree<T: Real>([l, b, v]: &[Vec<f64>; 3], eps: f64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(48))]
 
-    // Tolerances are relative to max|L| max|B| max|V|: every route adds, level by level, means of products of means, each a few eps
-    // off. Measured: below 1e-15 in f64 and 4e-7 in f32 (the inputs' own rounding to f32 included).
+    // Tolerances are relative to max|L| max|B| max|V|: every route adds, level by level, means of products of means,
+    // each a few eps off. Measured: below 1e-15 in f64 and 4e-7 in f32 (the inputs' own rounding to f32 included).
     #[test]
     fn every_route_agrees_with_pixels(factors in triple(5, 1)) {
         agree::<f64>(&factors, 3e-15);
@@ -503,17 +485,10 @@ fn one_hot_factors_give_the_tripling_coefficients() {
 #[test]
 fn side_64_agrees_on_binary_visibility() {
     let side = 64;
-    let random = |seed: u64| {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 40) as f64 / (1u64 << 24) as f64
-        }
-    };
-    let (mut l, mut b, mut next) = (vec![0.0; side * side], vec![0.0; side * side], random(7));
+    let (mut l, mut b, mut stream) = (vec![0.0; side * side], vec![0.0; side * side], Stream::new(7));
     for _ in 0..200 {
-        l[(next() * next() * 4096.0) as usize] = next() - 0.5;
-        b[(next() * next() * 4096.0) as usize] = next() - 0.5;
+        l[(stream.unit() * stream.unit() * 4096.0) as usize] = stream.unit() - 0.5;
+        b[(stream.unit() * stream.unit() * 4096.0) as usize] = stream.unit() - 0.5;
     }
     let disk = |i: usize| ((i % side) as f64 - 30.0).hypot((i / side) as f64 - 20.0) < 22.0;
     let pixels: Vec<f64> = (0..side * side).map(|i| f64::from(u8::from(disk(i)))).collect();
@@ -533,25 +508,16 @@ fn side_64_agrees_on_binary_visibility() {
 }
 
 #[test]
-fn sparse_nodes_give_their_coefficients_back() {
-    for side in [1usize, 2, 8, 32] {
-        let c: Vec<f64> = (0..side * side).map(|i| if i % 3 == 1 { 0.0 } else { i as f64 - 3.0 }).collect();
-        let nodes = SparseNodes::new([&sparse::<f64>(&c)]).unwrap();
-        assert_eq!(nodes.to_sparse(0).to_dense(), c);
-    }
-}
-
-#[test]
 fn bad_shapes_are_refused() {
     let odd = SparseVector::<f32>::new(8, vec![1], vec![1.0]).unwrap();
     let empty = SparseVector::<f32>::new(0, vec![], vec![]).unwrap();
     let four = SparseVector::<f32>::new(4, vec![], vec![]).unwrap();
     for bad in [&odd, &empty] {
-        assert!(Quadtree::new(bad).is_err() && NgTree::new(bad).is_err() && SparseNodes::new([bad]).is_err());
+        assert!(Quadtree::new(bad).is_err() && NgTree::new(bad).is_err());
         assert!(Factor::new([bad]).is_err() && MeanTree::from_sparse([bad]).is_err());
         assert!(multiply_sparse_2d(bad, bad).is_err());
     }
-    assert!(SparseNodes::new([&four, &odd]).is_err() && multiply_sparse_2d(&four, &odd).is_err());
+    assert!(Factor::new([&four, &odd]).is_err() && multiply_sparse_2d(&four, &odd).is_err());
     for side in [0, 3, 1 << 15] {
         assert!(TripleProduct::new(side).is_err() && MeanTree::<f32>::zeros(side).is_err());
         assert!(BitPyramid::zeros(side).is_err());
@@ -589,8 +555,8 @@ fn a_borrowed_pyramid_is_the_owned_one() {
     let rows: Vec<u64> = (0..16u64).map(|i| i.wrapping_mul(0x9e37_79b9_7f4a_7c15)).collect();
     let bits = BitPyramid::from_rows(32, &rows).unwrap();
     let (mut words, mut upper) = (vec![0; 16], vec![[0.0; 4]; BitPyramid::upper_len(32)]);
-    rows_to_morton(32, &rows, &mut words);
-    upper_means(32, &words, &mut upper);
+    BitPyramid::morton_from_rows(32, &rows, &mut words);
+    BitPyramid::upper_from_words(32, &words, &mut upper);
     let view = BitPyramidRef::new(32, &words, &upper);
     assert_eq!((view.words(), view.upper()), (bits.words(), bits.upper()));
     let ones: u32 = rows.iter().map(|w| w.count_ones()).sum();

@@ -2,13 +2,16 @@
 
 use approx::{AbsDiffEq, RelativeEq, assert_relative_eq};
 use haarmonic::haar::{
-    ChannelRule, Decomposition, Index1d, Index2d, Keep, Kind, PyWaveletsLayout, Pyramid, ScalingTerms, Selection,
-    SelectionScratch, SparseVector, Transform1d, Transform2d, Weighting, forward_1d, forward_2d, from_pywavelets_1d,
-    from_pywavelets_2d, inverse_1d, inverse_2d, select, to_pywavelets_1d, to_pywavelets_2d, transport_weights,
+    ChannelRule, Decomposition, Index1d, Index2d, Keep, PyWaveletsLayout, Pyramid, ScalingTerms, Selection,
+    SelectionScratch, SparseVector, Transform1d, Transform2d, WaveletKind, Weighting, forward_1d, forward_2d,
+    from_pywavelets_1d, from_pywavelets_2d, inverse_1d, inverse_2d, select, to_pywavelets_1d, to_pywavelets_2d,
+    transport_weights,
 };
 use haarmonic::{Error, Real, reference, strategies};
 use proptest::prelude::*;
 use reference::haar as twin;
+
+use crate::support::{HAAR_AFFINE, cases, golden, half_power, largest, narrow, numbers, wide};
 
 const NONSTANDARD: Decomposition = Decomposition::Nonstandard;
 const STANDARD: Decomposition = Decomposition::Standard;
@@ -23,18 +26,6 @@ fn assert_close<T: Real>(got: &[T], want: &[f64], tolerance: f64, scale: f64) {
     }
 }
 
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
-}
-
-fn max_abs(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, x| x.abs().max(m))
-}
-
-fn widen<T: Real>(x: &[T]) -> Vec<f64> {
-    x.iter().map(|x| x.widen()).collect()
-}
-
 /// Pairwise, so that thousands of terms cost only some ε.
 fn sum_of_squares(x: &[f64]) -> f64 {
     if x.len() <= 8 {
@@ -44,12 +35,6 @@ fn sum_of_squares(x: &[f64]) -> f64 {
     sum_of_squares(a) + sum_of_squares(b)
 }
 
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
 /// k·ε(T), with a floor for the spacing of subnormal numbers.
 #[track_caller]
 fn assert_within<T: Real>(got: &[T], want: &[f64], ulps: f64, scale: f64) {
@@ -57,15 +42,9 @@ fn assert_within<T: Real>(got: &[T], want: &[f64], ulps: f64, scale: f64) {
     assert_close(got, want, 1.0, ulps * T::epsilon().widen() * scale + floor);
 }
 
-fn numbers(value: &serde_json::Value) -> Vec<f64> {
-    value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
-}
-
 /// `[m, e]` = m·2^{e/2}, m = "p/q".
 fn exact(value: &serde_json::Value) -> f64 {
-    let (p, q) = value[0].as_str().unwrap().split_once('/').unwrap();
-    let root = if value[1].as_i64().unwrap() == 1 { std::f64::consts::SQRT_2 } else { 1.0 };
-    p.parse::<f64>().unwrap() / q.parse::<f64>().unwrap() * root
+    half_power(&value[0], &value[1])
 }
 
 /// Forward and inverse, out of place, in place and batched, of one image and its known coefficients.
@@ -80,7 +59,7 @@ fn check_2d<T: Real>(
     let plan = Transform2d::<T>::new(width, height, basis).unwrap();
     let (x, c) = (narrow::<T>(samples), narrow::<T>(coefs));
     let (mut out, mut scratch) = (vec![T::nan(); plan.len()], vec![T::nan(); plan.scratch_len()]);
-    let scale = max_abs(samples);
+    let scale = largest(samples);
 
     plan.forward(&x, &mut out, &mut scratch);
     assert_close(&out, coefs, tolerance, scale);
@@ -131,20 +110,19 @@ fn check_1d<T: Real>(samples: &[f64], coefs: &[f64], tolerance: f64) {
             scratch.fill(T::nan());
             plan.forward_batch_in_place(&mut data, &mut scratch);
         }
-        assert_close(&out, want, tolerance, max_abs(samples));
+        assert_close(&out, want, tolerance, largest(samples));
         assert_eq!(data, [out.clone(), out.clone()].concat(), "in place = out of place");
     }
 }
 
 #[test]
 fn golden_values_are_reproduced() {
-    let golden: serde_json::Value =
-        serde_json::from_str(include_str!("../golden/haar_affine_tables/haar.json")).unwrap();
+    let golden = golden(HAAR_AFFINE, "haar");
     for case in golden["d1"].as_array().unwrap() {
         let pixels = numbers(&case["pixels"]);
         let coefs: Vec<f64> = case["coef"].as_array().unwrap().iter().map(exact).collect();
-        assert_close(&coefs, &numbers(&case["coef_f64"]), 1e-15, max_abs(&pixels));
-        assert_close(&reference::haar::forward_1d(&pixels), &coefs, 1e-13, max_abs(&pixels));
+        assert_close(&coefs, &numbers(&case["coef_f64"]), 1e-15, largest(&pixels));
+        assert_close(&reference::haar::forward_1d(&pixels), &coefs, 1e-13, largest(&pixels));
         check_1d::<f64>(&pixels, &coefs, 1e-13);
         check_1d::<f32>(&pixels, &coefs, 1e-5);
     }
@@ -158,38 +136,38 @@ fn golden_values_are_reproduced() {
             check_2d::<f64>((n, n), basis, &pixels, coefs, 1e-13);
             check_2d::<f32>((n, n), basis, &pixels, coefs, 1e-5);
         }
-        assert_close(&reference::haar::forward_nonstandard(&pixels), &nonstandard, 1e-13, max_abs(&pixels));
-        assert_close(&reference::haar::forward_standard(n, &pixels), &standard, 1e-13, max_abs(&pixels));
+        assert_close(&reference::haar::forward_nonstandard(&pixels), &nonstandard, 1e-13, largest(&pixels));
+        assert_close(&reference::haar::forward_standard(n, &pixels), &standard, 1e-13, largest(&pixels));
     }
 }
 
 /// Error of every path against the definition, over sizes and inputs of the strategies.
 fn against_twin_1d<T: Real>(samples: &[T]) {
-    let wide = widen(samples);
+    let source = wide(samples);
     let ulps = 0.5 * (f64::from(samples.len().ilog2()) + 2.0);
     let coefs = forward_1d(samples).unwrap();
-    assert_within(&coefs, &twin::forward_1d(&wide), ulps, max_abs(&wide));
+    assert_within(&coefs, &twin::forward_1d(&source), ulps, largest(&source));
     // The coefficients as they are rounded are the input of the inverse: its scale is that of the largest partial sum.
     let back = inverse_1d(&coefs).unwrap();
-    assert_within(&back, &twin::inverse_1d(&widen(&coefs)), ulps, max_abs(&wide));
-    assert_within(&back, &wide, 2.0 * ulps, max_abs(&wide));
+    assert_within(&back, &twin::inverse_1d(&wide(&coefs)), ulps, largest(&source));
+    assert_within(&back, &source, 2.0 * ulps, largest(&source));
 }
 
 fn against_twin_2d<T: Real>(width: usize, samples: &[T]) {
-    let (wide, height) = (widen(samples), samples.len() / width);
-    let scale = max_abs(&wide);
+    let (source, height) = (wide(samples), samples.len() / width);
+    let scale = largest(&source);
     let ulps = 0.5 * (f64::from(samples.len().ilog2()) + 4.0);
     let standard = forward_2d(samples, width, height, STANDARD).unwrap();
-    assert_within(&standard, &twin::forward_standard(width, &wide), ulps, scale);
+    assert_within(&standard, &twin::forward_standard(width, &source), ulps, scale);
     let back = inverse_2d(&standard, width, height, STANDARD).unwrap();
-    assert_within(&back, &twin::inverse_standard(width, &widen(&standard)), ulps, scale);
-    assert_within(&back, &wide, 2.0 * ulps, scale);
+    assert_within(&back, &twin::inverse_standard(width, &wide(&standard)), ulps, scale);
+    assert_within(&back, &source, 2.0 * ulps, scale);
     if width == height {
         let nonstandard = forward_2d(samples, width, height, NONSTANDARD).unwrap();
-        assert_within(&nonstandard, &twin::forward_nonstandard(&wide), ulps, scale);
+        assert_within(&nonstandard, &twin::forward_nonstandard(&source), ulps, scale);
         let back = inverse_2d(&nonstandard, width, height, NONSTANDARD).unwrap();
-        assert_within(&back, &twin::inverse_nonstandard(&widen(&nonstandard)), ulps, scale);
-        assert_within(&back, &wide, 2.0 * ulps, scale);
+        assert_within(&back, &twin::inverse_nonstandard(&wide(&nonstandard)), ulps, scale);
+        assert_within(&back, &source, 2.0 * ulps, scale);
     }
 }
 
@@ -200,7 +178,7 @@ fn rectangle<T: Real>() -> impl Strategy<Value = (usize, Vec<T>)> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn lines_match_their_definition(x in strategies::haar_signal::<f64>(8), y in strategies::haar_signal::<f32>(8)) {
@@ -252,8 +230,8 @@ proptest! {
         prop_assert_eq!(pyramid.level(pyramid.finest()), &x[..]);
         for level in 0..=pyramid.finest() {
             let want = twin::means(level, &x);
-            assert_within(pyramid.level(level), &want, 3.0, max_abs(&x));
-            assert_within(decoded.level(level), &want, 6.0, max_abs(&x));
+            assert_within(pyramid.level(level), &want, 3.0, largest(&x));
+            assert_within(decoded.level(level), &want, 6.0, largest(&x));
             let side = 1 << level;
             let (cx, cy) = (side / 3, side - 1);
             prop_assert_eq!(pyramid.at(level, cx, cy), pyramid.values()[Pyramid::<f64>::offset(level) + cy * side + cx]);
@@ -283,9 +261,9 @@ fn one_hot_coefficients_are_basis_functions() {
             let inside = px / cell == x && py / cell == y;
             let (right, below) = (px % cell >= cell / 2, py % cell >= cell / 2);
             let sign = match kind {
-                Some(Kind::Horizontal) if right => -1.0,
-                Some(Kind::Vertical) if below => -1.0,
-                Some(Kind::Diagonal) if right != below => -1.0,
+                Some(WaveletKind::Horizontal) if right => -1.0,
+                Some(WaveletKind::Vertical) if below => -1.0,
+                Some(WaveletKind::Diagonal) if right != below => -1.0,
                 _ => 1.0,
             };
             assert_eq!(image[p], if inside { sign * f64::from(1u32 << level) } else { 0.0 });
@@ -378,7 +356,8 @@ fn the_largest_numbers_do_not_overflow() {
     check::<f64>();
 }
 
-/// NaN reaches the coefficients whose function covers the pixel, and no other; and the pixels that a coefficient covers.
+/// NaN reaches the coefficients whose function covers the pixel, and no other; and the pixels that a coefficient
+/// covers.
 #[test]
 fn nan_stays_within_supports() {
     let n = 16;
@@ -393,7 +372,7 @@ fn nan_stays_within_supports() {
         assert_eq!(got[flat].is_nan(), covers, "flat {flat}");
         assert!(covers || got[flat] == want[flat]);
     }
-    let flat = Index2d::Detail { level: 2, kind: Kind::Diagonal, x: 1, y: 3 }.flat();
+    let flat = Index2d::Detail { level: 2, kind: WaveletKind::Diagonal, x: 1, y: 3 }.flat();
     let mut coefs = want.clone();
     coefs[flat] = f64::INFINITY;
     let image = inverse_2d(&coefs, n, n, NONSTANDARD).unwrap();
@@ -456,8 +435,7 @@ fn thread_count_does_not_change_a_bit() {
 /// printed values times the square root of the sample count are multiples of ½ (2D), √2/4 (1D).
 #[test]
 fn pywavelets_layouts_match_its_output() {
-    let golden: serde_json::Value =
-        serde_json::from_str(include_str!("../golden/haar_affine_tables/haar.json")).unwrap();
+    let golden = golden(HAAR_AFFINE, "haar");
     let signal = numbers(&golden["d1"][0]["pixels"]);
     let wavedec = [
         7.071067811865477,
@@ -496,7 +474,7 @@ fn pywavelets_layouts_match_its_output() {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn sparse_algebra_is_dense_algebra(
@@ -562,7 +540,7 @@ proptest! {
     /// The error after keeping is the norm of what was dropped, and no set of as many terms does better (Parseval).
     #[test]
     fn magnitude_minimises_the_squared_error((size, x) in strategies::haar_image::<f64>(3), part in 0.0..=1.0_f64) {
-        prop_assume!(max_abs(&x) > 1e-100 && max_abs(&x) < 1e100);
+        prop_assume!(largest(&x) > 1e-100 && largest(&x) < 1e100);
         let coefs = forward_2d(&x, size, size, NONSTANDARD).unwrap();
         let kept = select(&coefs, Keep::Fraction(part), Weighting::Magnitude).unwrap();
         let image = inverse_2d(&kept.to_dense(), size, size, NONSTANDARD).unwrap();

@@ -9,11 +9,9 @@ use haarmonic::scene::Mesh;
 use haarmonic::sphere::LatLongMap;
 use proptest::prelude::*;
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 use crate::pictures::exr_files::COMPRESSIONS;
+
+use crate::support::cases;
 
 fn v(x: f32, y: f32, z: f32) -> Vector3<f32> {
     Vector3::new(x, y, z)
@@ -203,8 +201,8 @@ fn ply_ascii() {
     );
 }
 
-/// A file that uses everything: other elements before and after, lists among the vertices' properties, doubles, normals,
-/// quads, strips.
+/// A file that uses everything: other elements before and after, lists among the vertices' properties, doubles,
+/// normals, quads, strips.
 fn rich_ply(format: &str) -> Vec<u8> {
     let mut out = format!(
         "ply\nformat {format} 1.0\ncomment made by hand\nobj_info none\nelement camera 2\nproperty short a\nproperty list uint16 float64 b\n\
@@ -1141,7 +1139,7 @@ fn apply(bytes: &mut Vec<u8>, damage: &[(prop::sample::Index, u8, u8)]) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn damaged_meshes(damage in damage()) {

@@ -8,6 +8,8 @@ use serde_json::{Value, json};
 
 use crate::meshes::{check, fault, messages, v};
 
+use crate::support::cases;
+
 /// Little-endian bytes of numbers.
 macro_rules! bytes {
     ($t:ty: $($x:expr),* $(,)?) => { [$(<$t>::to_le_bytes($x)),*].concat() };
@@ -810,10 +812,6 @@ fn instances_are_bounded() {
 
 // ----------------------------------------------------------------------------------------------------------- damage
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 /// Documents that use every path: each is damaged in its JSON, its bytes and its chunks.
 fn documents() -> Vec<Document> {
     let mut sparse = Document::square();
@@ -878,7 +876,7 @@ fn memory_follows_the_bytes_whatever_the_numbers_say() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     #[test]
     fn damaged_documents(damage in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4u8), 1..6)) {

@@ -10,3 +10,5 @@ mod mesh_polygons;
 mod meshes;
 mod pictures;
 mod ply;
+#[path = "../support/mod.rs"]
+mod support;

@@ -505,7 +505,8 @@ fn concave_polygons_keep_their_area() {
     }
 }
 
-/// Found by fuzzing: a polygon whose halves cancel took the triangles of the one before it, with corners that it does not have.
+/// Found by fuzzing: a polygon whose halves cancel took the triangles of the one before it, with corners that it does
+/// not have.
 #[test]
 fn a_polygon_that_cancels_has_triangles_of_its_own() {
     let loaded = load("bow_tie_after_w.obj");

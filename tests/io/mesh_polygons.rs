@@ -7,11 +7,9 @@ use haarmonic::nalgebra::{Rotation3, Vector3};
 use haarmonic::scene::Mesh;
 use proptest::prelude::*;
 
-type P = [f64; 2];
+use crate::support::cases;
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(256)
-}
+type P = [f64; 2];
 
 /// A polygon as one face, laid into space by `place`.
 fn read(outline: &[P], place: impl Fn(P) -> Vector3<f64>) -> Loaded<Mesh> {
@@ -93,7 +91,8 @@ fn star(radii: &[f64], centre: P, size: f64, turn: f64) -> Vec<P> {
     (0..n).map(corner).collect()
 }
 
-/// A square of side 8 with holes in cells of a grid of 4 × 4, each joined to the outline by a bridge to its left neighbour.
+/// A square of side 8 with holes in cells of a grid of 4 × 4, each joined to the outline by a bridge to its left
+/// neighbour.
 fn with_holes(holes: &[Vec<f64>]) -> Vec<P> {
     let mut outline: Vec<P> = vec![[0.0, 0.0], [8.0, 0.0], [8.0, 8.0], [0.0, 8.0]];
     for (i, radii) in holes.iter().enumerate() {
@@ -116,7 +115,7 @@ fn with_holes(holes: &[Vec<f64>]) -> Vec<P> {
 const SLACK: f64 = 8.0 * f32::EPSILON as f64 * 1000.0;
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(256))]
 
     #[test]
     fn star_shaped(radii in prop::collection::vec(0.05..1.0f64, 3..40), start in 0..40usize, clockwise in any::<bool>()) {
@@ -171,7 +170,8 @@ proptest! {
 
     #[test]
     fn anything(points in prop::collection::vec(prop::array::uniform2(0..6i32), 4..30)) {
-        // Crossing, touching, running back on itself: a mesh or an error, never a panic, and a warning if the area is wrong.
+        // Crossing, touching, running back on itself: a mesh or an error, never a panic, and a warning if the area is
+        // wrong.
         let outline: Vec<P> = points.iter().map(|p| p.map(f64::from)).collect();
         let mut text: String = outline.iter().map(|p| format!("v {} {} 0\n", p[0], p[1])).collect();
         text += "f";

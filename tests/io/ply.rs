@@ -6,6 +6,8 @@ use proptest::prelude::*;
 
 use crate::meshes::{check, fault, messages, v};
 
+use crate::support::cases;
+
 /// The header of a square of four vertices in two triangles.
 const HEADER: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
                       element face 2\nproperty list uchar int vertex_indices\nend_header\n";
@@ -260,10 +262,6 @@ fn doubles_far_from_zero_keep_their_shape() {
 
 // ----------------------------------------------------------------------------------------------------------- damage
 
-fn cases() -> u32 {
-    std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64)
-}
-
 #[test]
 fn memory_follows_the_bytes_whatever_the_counts_say() {
     let text = format!("{HEADER}{BODY}");
@@ -284,7 +282,7 @@ fn memory_follows_the_bytes_whatever_the_counts_say() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: cases(), ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     /// Any white space for any other reads the same, as long as the lines are not as many as the elements.
     #[test]

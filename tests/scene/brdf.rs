@@ -8,16 +8,14 @@ use haarmonic::nalgebra::{Rotation3, Unit, Vector3};
 use haarmonic::reference::scene::brdf as twin;
 use haarmonic::reference::scene::brdf::{Angles, Lobe};
 use haarmonic::scene::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Frame, Lambert, Merl,
+    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, LocalFrame, Merl,
     MerlLookup, Phong, Sum, Ward,
 };
 use haarmonic::sphere::CubeGrid;
+use haarmonic::strategies;
 use proptest::prelude::*;
 
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
+use crate::support::cases;
 
 type Terms = Vec<(f64, Arc<dyn Brdf>)>;
 type Twin = Box<dyn Fn(Angles) -> f64 + Send + Sync>;
@@ -89,9 +87,9 @@ fn direction(theta: f64, phi: f64) -> Vector3<f64> {
     Vector3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos())
 }
 
-fn frame(seed: f32) -> Frame {
+fn frame(seed: f32) -> LocalFrame {
     let r = Rotation3::from_euler_angles(seed, 2.3 * seed + 0.4, 0.7 - seed);
-    Frame { tangent: r * Vector3::x(), bitangent: r * Vector3::y(), normal: r * Vector3::z() }
+    LocalFrame { tangent: r * Vector3::x(), bitangent: r * Vector3::y(), normal: r * Vector3::z() }
 }
 
 fn angles() -> impl Strategy<Value = Angles> {
@@ -106,11 +104,11 @@ fn angles() -> impl Strategy<Value = Angles> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
-    /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at grazing
-    /// angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own rounding
-    /// times the slope at the peak.
+    /// Tolerance: an angle's rounding times the steepest logarithmic slope, which is sharpness² in all lobes; at
+    /// grazing angles times 1/cosines, for the twin's θ_d = ½ acos(…) ends there. In a lobe's rim, the cosine's own
+    /// rounding times the slope at the peak.
     #[test]
     fn models_equal_the_textbook(a in angles()) {
         let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
@@ -148,6 +146,25 @@ proptest! {
         }
     }
 
+    /// At the ends of the parameters' ranges too, and of sums: both orders take the same operations but for the order
+    /// of sums of three.
+    #[test]
+    fn any_model_is_reciprocal_and_its_values_are_numbers(
+        brdf in strategies::brdf(), a in angles(), seed in -3.0..3.0_f32, side in 1_usize..8,
+    ) {
+        let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
+        let (f, g) = (brdf.eval(&wi, &wo), brdf.eval(&wo, &wi));
+        prop_assert!(f.iter().all(|c| c.is_finite() && *c >= 0.0), "{f}");
+        prop_assert!((f - g).amax() <= 8.0 * f64::EPSILON * f.amax(), "{f} against {g}");
+        for (wi, wo) in [(-wi, wo), (wi, -wo), (-wi, -wo)] {
+            prop_assert_eq!(brdf.eval(&wi, &wo), Vector3::zeros());
+        }
+        let (table, frame) = (DirectionTable::new(CubeGrid::new(side).unwrap()), frame(seed));
+        let mut planes = vec![f32::NAN; 3 * table.len()];
+        brdf.sample_cos(&frame, &frame.to_world(&wo).normalize(), &table, &mut planes);
+        prop_assert!(planes.iter().all(|c| c.is_finite() && *c >= 0.0));
+    }
+
     #[test]
     fn isotropic_models_do_not_change_under_a_turn(a in angles(), turn in 0.0..6.0_f64) {
         let (wi, wo) = (direction(a.theta_i, a.phi_i), direction(a.theta_o, a.phi_o));
@@ -168,8 +185,8 @@ proptest! {
         }
     }
 
-    /// Kernels against eval, on random frames and views. The largest is 7e-7 sharpness (Ward of roughness 1); at grazing
-    /// views 1e-8/cos θ_o more, for h_z is about cos θ_o and rounded as numbers near 1 are.
+    /// Kernels against eval, on random frames and views. The largest is 7e-7 sharpness (Ward of roughness 1); at
+    /// grazing views 1e-8/cos θ_o more, for h_z is about cos θ_o and rounded as numbers near 1 are.
     #[test]
     fn kernels_equal_eval(seed in -3.0..3.0_f32, theta in 0.0..1.57_f64, phi in 0.0..6.3_f64, side in 1_usize..24) {
         let table = DirectionTable::new(CubeGrid::new(side).unwrap());
@@ -188,7 +205,7 @@ proptest! {
 
 /// The largest error of `sample_cos` in RGB over the largest value that the lobe has anywhere along these directions,
 /// and in its mirror direction.
-fn kernel_error(brdf: &dyn Brdf, frame: &Frame, wo: &Vector3<f64>, table: &DirectionTable) -> f64 {
+fn kernel_error(brdf: &dyn Brdf, frame: &LocalFrame, wo: &Vector3<f64>, table: &DirectionTable) -> f64 {
     let n = table.len();
     let mut planes = vec![f32::NAN; 3 * n];
     brdf.sample_cos(frame, wo, table, &mut planes);
@@ -301,7 +318,7 @@ fn edges_give_finite_values() {
                 }
             }
             // Odd side: texel centres lie on the axes, so these frames meet exact zeros.
-            for f in [frame(0.9), Frame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() }] {
+            for f in [frame(0.9), LocalFrame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() }] {
                 let mut planes = vec![f32::NAN; 3 * table.len()];
                 m.sample_cos(&f, &f.to_world(wi), &table, &mut planes);
                 assert!(planes.iter().all(|c| c.is_finite() && *c >= 0.0), "{m:?}, wo {wi:?}");

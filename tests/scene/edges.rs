@@ -1,5 +1,5 @@
-//! Scenes, lights, views, BRDFs and the settings of back ends at the ends of their range: each case refuses, or gives what is finite, or
-//! what its documentation says; no case panics.
+//! Scenes, lights, views, BRDFs and the settings of back ends at the ends of their range: each case refuses, or gives
+//! what is finite, or what its documentation says; no case panics.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use haarmonic::haar::{Keep, Weighting};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
     AshikhminShirley, BinaryVisibility, BlinnPhong, Brdf, BrdfFn, BrdfSpec, Camera, Comparison, CookTorrance,
-    DirectionTable, Frame, GroundTruth, Lambert, Materials, Merl, Mesh, Phong, Procedural, Sum, TabulatedBrdf,
+    DirectionTable, GroundTruth, Lambert, LocalFrame, Materials, Merl, Mesh, Phong, Procedural, Sum, TabulatedBrdf,
     TexelVisibility, ToneMap, View, VisibilityBaker, VisibilitySettings, Ward, percentile_peak, psnr_db,
 };
 use haarmonic::sphere::{CubeGrid, CubeMap};
@@ -498,7 +498,7 @@ fn brdfs() -> Vec<(&'static str, Arc<dyn Brdf>)> {
 #[test]
 fn a_direction_that_is_nan_gives_nan_by_every_brdf() {
     let (wi, wo) = (Vector3::new(0.0, 0.6, 0.8), Vector3::new(0.48, -0.36, 0.8));
-    let frame = Frame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() };
+    let frame = LocalFrame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() };
     let table = DirectionTable::new(CubeGrid::new(5).unwrap());
     for (name, brdf) in brdfs() {
         assert!(brdf.eval(&wi, &wo).iter().all(|c| c.is_finite()), "{name}");

@@ -8,13 +8,11 @@ use haarmonic::scene::{
     BackFaces, BinaryVisibility, Bvh, GroundTruth, Lambert, Materials, Mesh, Procedural, TexelVisibility, View,
     VisibilityBaker, VisibilitySettings, rel_l2,
 };
-use haarmonic::sphere::{CubeGrid, CubeMap};
+use haarmonic::sphere::CubeMap;
+
+use crate::support::grid;
 
 type V = Vector3<f32>;
-
-fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
 
 fn bake(mesh: &Mesh, side: usize) -> BinaryVisibility {
     VisibilityBaker::new(mesh, grid(side), VisibilitySettings::default()).unwrap().bake(&()).unwrap()
@@ -55,8 +53,8 @@ fn ground(y: f32, size: f32) -> Mesh {
     Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).unwrap()
 }
 
-/// The share of texels of every `step`th of the first `vertices` vertices of which the baker and the twin, whose rays start infinitely
-/// near the vertex, do not say the same.
+/// The share of texels of every `step`th of the first `vertices` vertices of which the baker and the twin, whose rays
+/// start infinitely near the vertex, do not say the same.
 fn wrong(mesh: &Mesh, vertices: usize, step: usize) -> f64 {
     let grid = grid(16);
     let baked = bake(mesh, 16);
@@ -127,7 +125,8 @@ fn where_rays_start_does_not_show() {
         let share = wrong(&mesh, n, 4);
         assert!(share <= allowed, "{name}: {share:e}");
     }
-    // Measured: 1.9e-4 for the relief, none for the others. Not the table, whose legs end in it to a rounding: infinitely near they start on either side of that.
+    // Measured: 1.9e-4 for the relief, none for the others. Not the table, whose legs end in it to a rounding:
+    // infinitely near they start on either side of that.
     for scene in [Procedural::TorusKnotOnFloor, Procedural::StackedSpheres, Procedural::BasRelief] {
         let mesh = scene.build(1_000).unwrap().mesh;
         let share = wrong(&mesh, mesh.positions().len(), 37);
@@ -135,8 +134,8 @@ fn where_rays_start_does_not_show() {
     }
 }
 
-/// The body's own tessellation is what its rays start from: a ground whose triangles share its vertices and are very long, or
-/// slivers, harms none.
+/// The body's own tessellation is what its rays start from: a ground whose triangles share its vertices and are very
+/// long, or slivers, harms none.
 #[test]
 fn long_faces_at_a_vertex_do_not_harm_it() {
     // A pyramid whose foot is joined to a wide ground.
@@ -268,7 +267,8 @@ fn rays_of_any_length_and_none() {
     }
 }
 
-/// Many faces in one place, all the same or one in the other: as fast as any, and what they hide is what one of them hides.
+/// Many faces in one place, all the same or one in the other: as fast as any, and what they hide is what one of them
+/// hides.
 #[test]
 fn many_faces_in_one_place() {
     let quad = [[-1., 1., -1.], [-1., 1., 1.], [1., 1., 1.], [1., 1., -1.]].map(V::from);
@@ -287,7 +287,7 @@ fn many_faces_in_one_place() {
         let baker = VisibilityBaker::new(&mesh, grid(16), VisibilitySettings::default()).unwrap();
         let mut words = vec![0; baker.words_per_vertex()];
         for vertex in 0..3 {
-            baker.bake_vertex(vertex, &mut words);
+            baker.bake_vertex(vertex, &mut words, &mut baker.scratch());
             assert_eq!(words, expected.vertex(vertex));
         }
         assert!(format!("{:?}", baker.bvh()).contains(&format!("faces: {kept},")), "{:?}", baker.bvh());

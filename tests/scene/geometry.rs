@@ -48,7 +48,7 @@ fn tangents_are_made_perpendicular() {
     let mesh = Mesh::new(positions, faces).unwrap().with_tangents(given).unwrap();
     assert_relative_eq!(mesh.tangents()[0], V::x(), max_relative = 1e-6);
     for v in 0..4 {
-        let frame = mesh.frame(v);
+        let frame = mesh.local_frame(v);
         assert!((frame.tangent.norm() - 1.0).abs() < 1e-6 && frame.tangent.dot(&frame.normal).abs() < 1e-6);
         assert_relative_eq!(frame.tangent.cross(&frame.bitangent), frame.normal, epsilon = 1e-6);
     }

@@ -3,51 +3,20 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::support::Watch;
+use crate::support::{Watch, cases, grid, noise, noisy, soup};
 use haarmonic::Error;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::scene::ground_truth as twin;
 use haarmonic::scene::{
     BinaryVisibility, Brdf, CookTorrance, GroundTruth, Lambert, Materials, Mesh, Phong, TexelVisibility, View,
 };
-use haarmonic::sphere::{CubeGrid, CubeMap};
+use haarmonic::sphere::CubeMap;
 use proptest::prelude::*;
-
-fn cases() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(32);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-/// Deterministic numbers in [0, 1).
-fn noise(i: usize) -> f64 {
-    let mut x = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x ^= x >> 31;
-    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x ^= x >> 29;
-    (x >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
-
-/// A tilted tetrahedron's surface and some loose triangles: `n` faces, 3 n vertices, all normals different.
-fn soup(n: usize) -> Mesh {
-    let point = |i: usize| Vector3::from_fn(|k, _| (noise(3 * i + k) - 0.5) as f32 * 4.0);
-    let positions = (0..3 * n).map(point).collect();
-    Mesh::new(positions, (0..n as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect()).unwrap()
-}
 
 /// One horizontal triangle, normal +y.
 fn floor() -> Mesh {
     let positions = vec![Vector3::new(0.0, 0.0, 0.0), Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0)];
     Mesh::new(positions, vec![[0, 1, 2]]).unwrap()
-}
-
-fn light(side: usize, seed: usize) -> CubeMap<Vector3<f32>> {
-    let n = grid(side).len();
-    let texel = |i: usize| Vector3::from_fn(|k, _| (noise(seed + 3 * i + k) * 5.0) as f32);
-    CubeMap::new(grid(side), (0..n).map(texel).collect()).unwrap()
 }
 
 fn bits(side: usize, vertices: usize) -> BinaryVisibility {
@@ -95,13 +64,13 @@ fn equals_the_naive_sum() {
         (8, View::towards(Vector3::new(-1.0, 0.1, 0.0)).unwrap()),
         (9, View::eye(Vector3::zeros()).unwrap()),
     ] {
-        let light = light(side, side);
+        let light = noisy(side, side);
         let visibility = bits(side, n);
         let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
         let got = truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap();
         let expected: Vec<_> = (0..n)
             .map(|v| {
-                let f = mesh.frame(v);
+                let f = mesh.local_frame(v);
                 let normal = f.normal.cast::<f64>().normalize();
                 let tangent = f.tangent.cast::<f64>();
                 let tangent = (tangent - normal * tangent.dot(&normal)).normalize();
@@ -175,7 +144,7 @@ fn every_form_of_visibility_gives_the_same_bits() {
         let n = mesh.positions().len();
         let materials = materials(n);
         let view = View::eye(Vector3::new(3.0, 4.0, 5.0)).unwrap();
-        let light = light(side, 5);
+        let light = noisy(side, 5);
         let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
         let stored = bits(side, n);
         let g = grid(side);
@@ -216,7 +185,7 @@ fn every_form_of_visibility_gives_the_same_bits() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(32))]
 
     /// Linear in the light to the rounding of a sum of n terms of one sign, and of the f32 that holds a L₁ + b L₂.
     #[test]
@@ -229,7 +198,7 @@ proptest! {
             let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light };
             truth.radiance(&TexelVisibility::Binary(&visibility), &()).unwrap()
         };
-        let (l1, l2) = (light(6, seed), light(6, seed + 5000));
+        let (l1, l2) = (noisy(6, seed), noisy(6, seed + 5000));
         let texels = l1.texels().iter().zip(l2.texels()).map(|(x, y)| x * a + y * b).collect();
         let both = of(&CubeMap::new(grid(6), texels).unwrap());
         for ((x, y), got) in of(&l1).iter().zip(&of(&l2)).zip(&both) {
@@ -284,7 +253,7 @@ fn what_does_not_fit_is_an_error() {
     let mesh = floor();
     let view = View::towards(Vector3::y()).unwrap();
     let lambert = Materials::uniform(Lambert::new([0.5; 3]).unwrap());
-    let good = light(4, 1);
+    let good = noisy(4, 1);
     let truth = GroundTruth { mesh: &mesh, materials: &lambert, view: &view, light: &good };
     assert!(matches!(truth.radiance(&TexelVisibility::Full { grid: grid(8) }, &()), Err(Error::Length { .. })));
     assert!(matches!(truth.radiance(&TexelVisibility::Binary(&bits(4, 2)), &()), Err(Error::Length { .. })));
@@ -306,7 +275,7 @@ fn progress_reaches_the_end_and_cancellation_stops() {
     let mesh = soup(100);
     let materials = materials(300);
     let view = View::eye(Vector3::new(3.0, 4.0, 5.0)).unwrap();
-    let light = light(4, 1);
+    let light = noisy(4, 1);
     let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
     let full = TexelVisibility::Full { grid: grid(4) };
     let watch = Watch::new(300);
@@ -325,7 +294,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let mesh = soup(100);
     let materials = materials(300);
     let view = View::eye(Vector3::new(3.0, 4.0, 5.0)).unwrap();
-    let (light, visibility) = (light(7, 1), bits(7, 300));
+    let (light, visibility) = (noisy(7, 1), bits(7, 300));
     let truth = GroundTruth { mesh: &mesh, materials: &materials, view: &view, light: &light };
     let of = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

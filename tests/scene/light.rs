@@ -8,10 +8,7 @@ use haarmonic::sphere::{CubeGrid, CubeMap, LatLongGrid, LatLongMap, fibonacci_di
 use haarmonic::{Error, reference::sphere as naive, strategies};
 use proptest::prelude::*;
 
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(32);
-    ProptestConfig::with_cases(cases)
-}
+use crate::support::cases;
 
 fn cube(side: usize) -> CubeGrid {
     CubeGrid::new(side).unwrap()
@@ -205,7 +202,8 @@ fn a_sun_of_any_radius_keeps_its_energy_in_every_direction() {
     for radius in radii {
         for side in [1, 4, 7] {
             for direction in awkward_directions(side) {
-                // As bright as texels of f32 can hold, so that the energy of the smallest ones is not below its range too.
+                // As bright as texels of f32 can hold, so that the energy of the smallest ones is not below its range
+                // too.
                 let energy = 1e3;
                 let radiance = (energy / small_disc(radius)).min(1e300);
                 let sun =
@@ -386,7 +384,7 @@ fn every_field_of_a_sky_is_refused_or_gives_finite_texels() {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(32))]
 
     #[test]
     fn the_sun_keeps_its_energy(

@@ -12,19 +12,9 @@ use haarmonic::sphere::CubeGrid;
 use haarmonic::{Error, Progress};
 use proptest::prelude::*;
 
+use crate::support::{baker, cases, grid};
+
 type V = Vector3<f32>;
-
-fn cases() -> ProptestConfig {
-    ProptestConfig::with_cases(std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(48))
-}
-
-fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
-
-fn baker(mesh: &Mesh, side: usize) -> VisibilityBaker {
-    VisibilityBaker::new(mesh, grid(side), VisibilitySettings::default()).unwrap()
-}
 
 fn bake(mesh: &Mesh, side: usize) -> BinaryVisibility {
     baker(mesh, side).bake(&()).unwrap()
@@ -127,7 +117,7 @@ prop_compose! {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// Rasterised in a hierarchy, front to back, in runs: the bits of every triangle against every ray.
     #[test]
@@ -175,7 +165,7 @@ fn built_in_scenes_agree_with_the_naive_twin() {
         let (mut rays, mut different) = (0, 0);
         let mut words = vec![0; baker.words_per_vertex()];
         for vertex in (7..baker.vertices()).step_by(311) {
-            baker.bake_vertex(vertex, &mut words);
+            baker.bake_vertex(vertex, &mut words, &mut baker.scratch());
             let baked = BinaryVisibility::new(baker.grid(), words.clone()).unwrap();
             let origin = baker.origin(vertex);
             for texel in above(&mesh, baker.grid(), vertex) {
@@ -295,7 +285,7 @@ fn a_sphere_hides_its_cap() {
     for (side, tolerance) in [(16, 4e-2), (64, 1e-2), (128, 4e-3)] {
         let baker = baker(&mesh, side);
         let mut words = vec![0; baker.words_per_vertex()];
-        baker.bake_vertex(0, &mut words);
+        baker.bake_vertex(0, &mut words, &mut baker.scratch());
         let baked = BinaryVisibility::new(grid(side), words).unwrap();
         let (grid, omega) = (grid(side), grid(side).face_solid_angles());
         let share = |see: bool| -> f64 {
@@ -415,7 +405,7 @@ fn one_vertex_has_the_bits_of_all() {
         let baker = baker(&mesh, 16).with_grid(grid(side));
         let mut words = vec![u64::MAX; baker.words_per_vertex()];
         let mut scratch = baker.scratch();
-        let rays = baker.bake_vertex_with_scratch(500, &mut words, &mut scratch);
+        let rays = baker.bake_vertex(500, &mut words, &mut scratch);
         assert_eq!(rays as usize, above(&mesh, grid(side), 500).len());
         let baked = BinaryVisibility::new(grid(side), words.clone()).unwrap();
         for texel in 0..grid(side).len() {
@@ -433,7 +423,8 @@ fn one_vertex_has_the_bits_of_all() {
 #[should_panic(expected = "visibility words of a vertex: expected length 6, got 5")]
 fn one_vertex_wants_its_words() {
     let mesh = room(1);
-    baker(&mesh, 8).bake_vertex(0, &mut [0; 5]);
+    let baker = baker(&mesh, 8);
+    baker.bake_vertex(0, &mut [0; 5], &mut baker.scratch());
 }
 
 #[test]

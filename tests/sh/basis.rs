@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use std::f64::consts::PI;
 
-use crate::support::{assert_below, cases, coefficients, golden, numbers, worst_of};
+use crate::support::{HARMONICS, assert_below, cases, coefficients, golden, numbers, worst_of};
 
 fn vector(v: &Value) -> Vector3<f64> {
     Vector3::from_vec(numbers(v))
@@ -43,7 +43,7 @@ fn soa<T: Real>(directions: &[UnitVector3<f64>]) -> [Vec<T>; 3] {
 #[test]
 fn golden_basis() {
     let (mut error, mut error32) = (0f64, 0f64);
-    for item in golden("sh_basis")["items"].as_array().unwrap() {
+    for item in golden(HARMONICS, "sh_basis")["items"].as_array().unwrap() {
         let (d, want) = (vector(&item["dir"]), numbers(&item["y"]));
         for bands in 1..=11 {
             let want = &want[..bands * bands];
@@ -98,7 +98,8 @@ fn twin<T: Real>(bands: usize) -> f64 {
 #[test]
 fn twin_f64() {
     for bands in [1, 2, 3, 4, 5, 6, 7, 12, 33, 64] {
-        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so. Measured: 1.2e-17 to 2.2e-17 times bands^2.5.
+        // Half an eps of |ω| moves a value near a pole by l² eps/2 of √(l/2π) or so. Measured: 1.2e-17 to 2.2e-17 times
+        // bands^2.5.
         assert_below(twin::<f64>(bands), 1e-16 + 4e-17 * (bands as f64).powf(2.5), &format!("bands {bands}"));
     }
 }
@@ -111,7 +112,8 @@ fn twin_f32() {
     }
 }
 
-/// The largest sizes are finite, and right where closed forms are known: y_{l,0} and y_{l,l} at the poles and the equator.
+/// The largest sizes are finite, and right where closed forms are known: y_{l,0} and y_{l,l} at the poles and the
+/// equator.
 #[test]
 fn largest_bands() {
     fn check<T: Real>(tolerance: f64) {
@@ -130,8 +132,8 @@ fn largest_bands() {
         let square = (1..=l).map(|k| 1.0 + 0.5 / k as f64).product::<f64>() / (2.0 * PI);
         assert_below((equator[index(l, l as isize)].widen() - square.sqrt()).abs(), tolerance, "equator");
     }
-    // At z = ±1 the recurrence has a double root: the error of one step grows linearly, all of them as l² eps/2 at worst
-    // (1e-3 at l = 127, 1e-10 at l = 1023); measured 1.7e-5 and 7.4e-12.
+    // At z = ±1 the recurrence has a double root: the error of one step grows linearly, all of them as l² eps/2 at
+    // worst (1e-3 at l = 127, 1e-10 at l = 1023); measured 1.7e-5 and 7.4e-12.
     check::<f32>(6e-5);
     check::<f64>(3e-11);
     for bands in [0, Basis::<f32>::max_bands() + 1] {
@@ -173,20 +175,20 @@ fn batch_forms<T: Real + bits::Bits>() {
             let mut one = vec![T::nan(); n];
             let (mut rows, mut by_point) = (vec![T::nan(); n * points], vec![T::nan(); n * points]);
             let mut sums = vec![T::nan(); points];
-            basis.eval_rows(&x, &y, &z, &mut rows);
+            basis.eval_batch(&x, &y, &z, &mut rows);
             basis.eval_points(&x, &y, &z, &mut by_point);
             basis.reconstruct(&c, &x, &y, &z, &mut sums);
             let (mut values, mut slopes) = (vec![T::nan(); n], vec![Vector3::from_element(T::nan()); n]);
             let mut value_rows = rows.clone();
             let mut slope_rows = [rows.clone(), rows.clone(), rows.clone()];
             let [gx, gy, gz] = &mut slope_rows;
-            basis.gradient_rows([&x, &y, &z], &mut value_rows, [gx, gy, gz]);
+            basis.gradient_batch([&x, &y, &z], &mut value_rows, [gx, gy, gz]);
             let mut bends = vec![Matrix3::from_element(T::nan()); n];
             let (mut jet_values, mut jet_slopes) = (values.clone(), slopes.clone());
             let mut jet_value_rows = vec![T::nan(); n * points];
             let mut jet_rows: [Vec<T>; 9] = std::array::from_fn(|_| vec![T::nan(); n * points]);
             let [jx, jy, jz, xx, xy, xz, yy, yz, zz] = &mut jet_rows;
-            basis.hessian_rows([&x, &y, &z], &mut jet_value_rows, [jx, jy, jz], [xx, xy, xz, yy, yz, zz]);
+            basis.hessian_batch([&x, &y, &z], &mut jet_value_rows, [jx, jy, jz], [xx, xy, xz, yy, yz, zz]);
             for p in 0..points {
                 let d = Vector3::new(x[p], y[p], z[p]);
                 basis.eval(&d, &mut one);
@@ -213,7 +215,8 @@ fn batch_forms<T: Real + bits::Bits>() {
                 let want: f64 = c.iter().zip(&one).map(|(c, y)| c.widen() * y.widen()).sum();
                 let size: f64 = c.iter().zip(&one).map(|(c, y)| (c.widen() * y.widen()).abs()).sum();
                 let error = (sums[p].widen() - want).abs();
-                // Two chains of at most `bands` additions; q overshoots y near the poles by less than the sum's own size.
+                // Two chains of at most `bands` additions; q overshoots y near the poles by less than the sum's own
+                // size.
                 assert!(
                     error <= T::epsilon().widen() * 2.0 * bands as f64 * size.max(1.0),
                     "{error:e} of {size:e}, bands {bands}"
@@ -364,7 +367,8 @@ fn hessian_against_differences() {
             }
         }
         let l = bands as f64;
-        // The differences: truncation of (l step)^6/560 l² √(l/2π) with l·step < 0.12. Measured: 1.4e-7 at 11 bands; f32 1.3e-4.
+        // The differences: truncation of (l step)^6/560 l² √(l/2π) with l·step < 0.12. Measured: 1.4e-7 at 11 bands;
+        // f32 1.3e-4.
         assert_below(error, 5e-11 * l.powi(4), &format!("Hessian, bands {bands}"));
         assert_below(error32, 5e-8 * l.powi(4), &format!("Hessian in f32, bands {bands}"));
         // |ω|² is 1 to 2 eps, times second derivatives of Y up to l² √l.
@@ -444,7 +448,7 @@ fn wrong_lengths_panic() {
     let basis = Basis::<f64>::new(2).unwrap();
     let fails = |f: &dyn Fn()| std::panic::catch_unwind(std::panic::AssertUnwindSafe(f)).is_err();
     assert!(fails(&|| basis.eval(&Vector3::z(), &mut [0.0; 3])));
-    assert!(fails(&|| basis.eval_rows(&[0.0], &[0.0, 1.0], &[1.0], &mut [0.0; 4])));
+    assert!(fails(&|| basis.eval_batch(&[0.0], &[0.0, 1.0], &[1.0], &mut [0.0; 4])));
     assert!(fails(&|| basis.eval_points(&[0.0], &[0.0], &[1.0], &mut [0.0; 5])));
     assert!(fails(&|| basis.reconstruct(&[0.0; 4], &[0.0], &[0.0], &[1.0], &mut [0.0; 2])));
     assert!(fails(&|| basis.accumulate(&[0.0], &[0.0], &[1.0], [&[]], [&mut [0.0; 4]])));
@@ -457,7 +461,7 @@ fn wrong_lengths_panic() {
 fn golden_condon_shortley() {
     let sloan = Convention { phase: Phase::CondonShortley, ..Convention::default() };
     let mut error = 0f64;
-    for item in golden("sh_basis_cs")["items"].as_array().unwrap() {
+    for item in golden(HARMONICS, "sh_basis_cs")["items"].as_array().unwrap() {
         let want = numbers(&item["y"]);
         let y = sloan.export_values(5, &eval(5, &vector(&item["dir"])).unwrap());
         error = error.max(worst_of(y.into_iter().zip(&want)));
@@ -470,7 +474,7 @@ fn golden_complex() {
     let c = coefficients(5);
     let a = to_complex(5, &c);
     let mut error = 0f64;
-    for item in golden("sh_complex")["items"].as_array().unwrap() {
+    for item in golden(HARMONICS, "sh_complex")["items"].as_array().unwrap() {
         let y = eval(5, &vector(&item["dir"])).unwrap();
         let mut sum = Complex::new(0.0, 0.0);
         for (i, value) in item["Y_re_im"].as_array().unwrap().iter().enumerate() {
@@ -540,7 +544,7 @@ fn conventions() -> impl Strategy<Value = Convention> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn conventions_round_trip(convention in conventions(), bands in 1usize..9, d in direction()) {

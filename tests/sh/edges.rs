@@ -1,5 +1,5 @@
-//! Numbers at the ends of their range: what goes in NaN comes out NaN or is refused, what is finite stays so, sizes are checked before
-//! memory is taken.
+//! Numbers at the ends of their range: what goes in NaN comes out NaN or is refused, what is finite stays so, sizes are
+//! checked before memory is taken.
 
 use std::f64::consts::PI;
 
@@ -36,7 +36,7 @@ fn exponentials_of_any_finite_logarithm_are_finite() {
         // And the same of three at once, the middle one.
         let many: Vec<T> = f.iter().flat_map(|&x| [T::zero(), x, T::one()]).collect();
         let (mut all, mut scratch) = (vec![T::nan(); 3 * f.len()], vec![T::zero(); exp.scratch_len()]);
-        exp.batch(3, &many, &mut all, &mut scratch);
+        exp.apply_batch(3, &many, &mut all, &mut scratch);
         assert!(all.iter().skip(1).step_by(3).eq(out.iter()), "{bands} {method:?} {f:?}");
     }
     let methods =
@@ -175,7 +175,7 @@ fn nan_anywhere_in_a_rotation_is_seen() {
                             .collect();
                         let many: Vec<f64> = f.iter().flat_map(|&x| vec![x; count]).collect();
                         let mut all = vec![0.0; many.len()];
-                        rotator.batch_matrices(count, std::array::from_fn(|k| &entries[k][..]), &many, &mut all);
+                        rotator.apply_batch(count, std::array::from_fn(|k| &entries[k][..]), &many, &mut all);
                         let of = |v: usize| all.iter().skip(v).step_by(count).copied().collect::<Vec<_>>();
                         assert!(poisoned(&of(1 % count)), "{bands} {matrix}");
                         assert!((0..count).filter(|&v| v != 1 % count).all(|v| of(v).iter().all(|c| c.is_finite())));
@@ -194,7 +194,7 @@ fn nan_anywhere_in_a_rotation_is_seen() {
                         (0..4).map(|k| (0..count).map(|v| if v == 4 { coords[k] } else { q[k] }).collect()).collect();
                     let many: Vec<f64> = f.iter().flat_map(|&x| vec![x; count]).collect();
                     let mut all = vec![0.0; many.len()];
-                    rotator.batch(count, std::array::from_fn(|k| &columns[k][..]), &many, &mut all);
+                    rotator.apply_quaternion_batch(count, std::array::from_fn(|k| &columns[k][..]), &many, &mut all);
                     let of = |v: usize| all.iter().skip(v).step_by(count).copied().collect::<Vec<_>>();
                     assert!(poisoned(&of(4)), "{bands} {coords}");
                     assert!((0..count).filter(|&v| v != 4).all(|v| of(v).iter().all(|c| c.is_finite())));
@@ -217,7 +217,12 @@ fn quaternions_of_any_length_are_the_same_rotation() {
                     let mut out = vec![<T as Real>::of(f64::NAN); f.len()];
                     rotator.apply_quaternion(&UnitQuaternion::new_unchecked(Quaternion { coords }), &f, &mut out);
                     let mut batch = out.clone();
-                    rotator.batch(1, [0, 1, 2, 3].map(|k| std::slice::from_ref(&coords[k])), &f, &mut batch);
+                    rotator.apply_quaternion_batch(
+                        1,
+                        [0, 1, 2, 3].map(|k| std::slice::from_ref(&coords[k])),
+                        &f,
+                        &mut batch,
+                    );
                     [out, batch]
                 };
                 let want: Vec<f64> = by(1.0)[0].iter().map(|x| Real::widen(*x)).collect();
@@ -292,7 +297,7 @@ fn polygons_with_vertices_at_any_distance_are_the_same() {
     let points = [Vector3::zeros(), Vector3::new(0.0, 0.0, -1.2e308)];
     let mut out = vec![f64::NAN; 2 * bands * bands];
     let vertices = square([1.0; 4]).map(|v| v.component_mul(&Vector3::new(1.2e308, 1.2e308, 1.0)));
-    light.batch(&vertices, &points, None, &mut out, &mut light.scratch());
+    light.eval_batch(&vertices, &points, None, &mut out, &mut light.scratch());
     assert!(out.iter().all(|x| x.is_finite()));
     // Seen from (0, 0, −h): the same square at the distance of its half side.
     let below: Vec<f64> = out.iter().skip(1).step_by(2).copied().collect();
@@ -340,7 +345,7 @@ fn polygons_that_are_none_have_no_light_and_nan_shows() {
         let light = PolygonLight::new(3).unwrap();
         let mut out = vec![0.0; 18];
         let points = [Vector3::new(0.0, bad, 0.0), Vector3::zeros()];
-        light.batch(&square([1.0; 4]), &points, None, &mut out, &mut light.scratch());
+        light.eval_batch(&square([1.0; 4]), &points, None, &mut out, &mut light.scratch());
         assert!(out.iter().step_by(2).all(|x| x.is_nan()) && out.iter().skip(1).step_by(2).all(|x| x.is_finite()));
     }
     // A normal of no length cuts nothing.
@@ -373,7 +378,7 @@ fn plans() -> Vec<(&'static str, Plan)> {
         ("Rotation", plan(|n| Rotation::<f64>::new(n, &Rotation3::identity()))),
         ("Exponential", plan(|n| Exponential::<f64>::new(n, ExpMethod::default()))),
         ("Logarithm", plan(|n| Logarithm::new(n, LogMethod::default()))),
-        ("CapLog", plan(|n| CapLog::<f64>::new(n, CapFit::default()))),
+        ("CapLog", plan(|n| CapLog::new(n, CapFit::default()))),
         ("OptimalLinear", plan(OptimalLinear::new)),
         ("GridFunction", plan(GridFunction::<f64>::new)),
         ("GridFunction rings", plan(|n| GridFunction::<f64>::with_rings(2, n))),
@@ -425,11 +430,11 @@ fn counts_that_overflow_are_wrong_lengths() {
     let fails = |f: &dyn Fn()| std::panic::catch_unwind(std::panic::AssertUnwindSafe(f)).is_err();
     // Four coefficients each: 2^64 in all, which is 0 if it wraps.
     let count = 1 << (usize::BITS - 2);
-    assert!(fails(&|| Product::<f64>::new(2, 2, 2).unwrap().batch(count, &[], &[], &mut [])));
-    assert!(fails(&|| Square::<f64>::new(2, 2).unwrap().batch(count, &[], &mut [])));
-    assert!(fails(&|| Rotation::<f64>::new(2, &Rotation3::identity()).unwrap().batch(count, &[], &mut [])));
-    assert!(fails(&|| Exponential::<f64>::new(2, ExpMethod::Grid).unwrap().batch(count, &[], &mut [], &mut [])));
-    assert!(fails(&|| GridFunction::<f64>::new(2).unwrap().batch(count, &[], |x| x, &mut [])));
+    assert!(fails(&|| Product::<f64>::new(2, 2, 2).unwrap().apply_batch(count, &[], &[], &mut [])));
+    assert!(fails(&|| Square::<f64>::new(2, 2).unwrap().apply_batch(count, &[], &mut [])));
+    assert!(fails(&|| Rotation::<f64>::new(2, &Rotation3::identity()).unwrap().apply_batch(count, &[], &mut [])));
+    assert!(fails(&|| Exponential::<f64>::new(2, ExpMethod::Grid).unwrap().apply_batch(count, &[], &mut [], &mut [])));
+    assert!(fails(&|| GridFunction::<f64>::new(2).unwrap().apply_batch(count, &[], |x| x, &mut [])));
     assert!(fails(&|| Zonal::<f64>::delta(2).unwrap().convolve_batch(count, &mut [])));
     assert!(fails(&|| drop(Convention::default().export::<f64>(1 << (usize::BITS / 2), &[]))));
     assert!(fails(&|| assert_eq!(index(usize::MAX, 0), 0)));

@@ -6,7 +6,7 @@ use haarmonic::reference::sh as naive;
 use haarmonic::sh::{Expansion, Product, Rotator, Square};
 use haarmonic::sphere::fibonacci_directions;
 
-use crate::support::{assert_below, worst};
+use crate::support::{self, assert_below, wide, worst};
 
 /// Runs a generic function for every array that there is.
 macro_rules! for_all {
@@ -30,12 +30,8 @@ fn array<T: Real, const N: usize>(seed: f64) -> [T; N] {
     std::array::from_fn(|i| T::of((seed + 2.3 * i as f64).sin()))
 }
 
-fn wide<T: Real, const N: usize>(a: &[T; N]) -> Vec<f64> {
-    a.iter().map(|x| x.widen()).collect()
-}
-
 fn norm<T: Real, const N: usize>(a: &[T; N]) -> f64 {
-    wide(a).iter().map(|x| x * x).sum::<f64>().sqrt()
+    support::norm(&wide(a))
 }
 
 fn eps<T: Real>() -> f64 {
@@ -73,8 +69,8 @@ fn values_are_the_twins() {
     for_all!(check);
 }
 
-/// Twice the error that was measured, in eps: .1, .8, 1.5, 4.1, 4.5, 8, 11.5, 14. It grows as the slope of y, for what is rounded first is
-/// the direction.
+/// Twice the error that was measured, in eps: .1, .8, 1.5, 4.1, 4.5, 8, 11.5, 14. It grows as the slope of y, for what
+/// is rounded first is the direction.
 const EVAL: [f64; 8] = [0.25, 1.5, 3.0, 8.0, 9.0, 16.0, 23.0, 28.0];
 
 #[test]
@@ -131,7 +127,8 @@ fn rotations_are_the_twins_and_have_the_bits_of_plans() {
             let matrix = Rotation3::from_matrix_unchecked(turn.matrix().map(T::of));
             let quaternion = UnitQuaternion::new_unchecked(quaternion.quaternion().coords.map(T::of).into());
             let (by_matrix, by_quaternion) = (f.rotate(&matrix), f.rotate_by_quaternion(&quaternion));
-            // A matrix or quaternion that is rounded turns degree l by l eps more or less, sampling adds its condition number, 5.
+            // A matrix or quaternion that is rounded turns degree l by l eps more or less, sampling adds its condition
+            // number, 5.
             let tolerance = 5.0 * bands as f64 * eps::<T>() * norm(&f);
             assert_below(worst(&by_matrix, &want), tolerance, &format!("{N} by {turn}"));
             assert_below(worst(&by_quaternion, &want), tolerance, &format!("{N} by quaternion of {turn}"));
@@ -190,7 +187,8 @@ fn integrals_are_those_of_the_truncated_product() {
     for_all!(check);
 }
 
-/// What is not a number, infinite, huge or tiny goes through as IEEE arithmetic has it: no panic, and nothing is made up.
+/// What is not a number, infinite, huge or tiny goes through as IEEE arithmetic has it: no panic, and nothing is made
+/// up.
 #[test]
 fn odd_numbers() {
     fn check<T: Real, const N: usize>()

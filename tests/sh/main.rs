@@ -13,5 +13,6 @@ mod presets;
 mod product;
 mod project;
 mod rotate;
+#[path = "../support/mod.rs"]
 mod support;
 mod zonal;

@@ -427,7 +427,7 @@ fn presets_of_no_and_one_band_and_of_wrong_lengths() {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     /// A function has the same values by coefficients and functions of either side, in both precisions.
     #[test]

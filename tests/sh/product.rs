@@ -9,29 +9,10 @@ use haarmonic::sh::{Product, Square, TripleTensor, gamma};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{assert_all_close, cases, golden, narrow, numbers};
+use crate::support::{HARMONICS, assert_all_close, assert_close, cases, golden, narrow, norm, numbers, random};
 
 fn triple(v: &Value) -> [usize; 3] {
     [0, 1, 2].map(|n| v[n].as_u64().unwrap() as usize)
-}
-
-/// Uniform in −1..1.
-fn random(count: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
-    let mut next = move || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    };
-    (0..count).map(|_| next()).collect()
-}
-
-#[track_caller]
-fn assert_close(got: f64, want: f64, tolerance: f64, what: &str) {
-    assert!((got - want).abs() <= tolerance, "{what}: got {got:e}, want {want:e}, off by {:e}", (got - want).abs());
-}
-
-fn norm(x: &[f64]) -> f64 {
-    x.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
 fn product<T: Real>(a: &[f64], b: &[f64], bands_out: usize) -> Vec<T> {
@@ -50,7 +31,7 @@ const GAMMA_ERROR: f64 = 2e-15;
 
 #[test]
 fn golden_gamma_below_four_bands() {
-    let file = golden("gamma_order4");
+    let file = golden(HARMONICS, "gamma_order4");
     let tensor = TripleTensor::new(4).unwrap();
     let entries = file["entries"].as_array().unwrap();
     assert_eq!(tensor.nnz(), entries.len());
@@ -63,7 +44,7 @@ fn golden_gamma_below_four_bands() {
 
 #[test]
 fn golden_gamma_samples_below_eight_bands() {
-    let file = golden("gamma_order8_samples");
+    let file = golden(HARMONICS, "gamma_order8_samples");
     let tensor = TripleTensor::new(8).unwrap();
     for entry in file["entries"].as_array().unwrap() {
         let ([i, j, k], want) = (triple(entry), entry[3].as_f64().unwrap());
@@ -80,7 +61,7 @@ fn golden_gamma_samples_below_eight_bands() {
 
 #[test]
 fn counts_are_the_true_ones() {
-    let file = golden("gamma_order8_samples");
+    let file = golden(HARMONICS, "gamma_order8_samples");
     for bands in 1..=8 {
         let tensor = TripleTensor::new(bands).unwrap();
         let want = |list: &str| file[list][bands - 1].as_u64().unwrap();
@@ -192,7 +173,7 @@ fn squares_of_gamma_sum_to_the_addition_theorem() {
 #[test]
 fn golden_products_squares_and_matrices() {
     fn check<T: Real>(tolerance: f64) {
-        for item in golden("sh_products")["items"].as_array().unwrap() {
+        for item in golden(HARMONICS, "sh_products")["items"].as_array().unwrap() {
             let bands = item["order"].as_u64().unwrap() as usize;
             let (f, g) = (numbers(&item["f"]), numbers(&item["g"]));
             let tolerance = tolerance * norm(&f) * norm(&g).max(norm(&f));
@@ -307,8 +288,8 @@ fn a_batch_has_the_bits_of_single_calls() {
         let square = Square::<T>::new(bands[0], bands[2]).unwrap();
         let mut products = vec![T::nan(); sizes[2] * count];
         let mut squares = products.clone();
-        plan.batch(count, &a, &b, &mut products);
-        square.batch(count, &a, &mut squares);
+        plan.apply_batch(count, &a, &b, &mut products);
+        square.apply_batch(count, &a, &mut squares);
         let mut out = vec![T::nan(); sizes[2]];
         for v in 0..count {
             plan.apply(&column(&a, v), &column(&b, v), &mut out);
@@ -471,7 +452,7 @@ fn expansion(most: usize) -> impl Strategy<Value = Vec<f64>> {
 }
 
 proptest! {
-    #![proptest_config(cases())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn products_commute_and_distribute((f, g) in (expansion(7), expansion(7)), bands_out in 1usize..15, s in -4.0..4.0f64) {

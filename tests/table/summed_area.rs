@@ -1,17 +1,11 @@
 //! Summed-area tables against golden values and sums pixel by pixel.
 
-use crate::support::{assert_close, golden, rational};
+use crate::support::{HAAR_AFFINE, assert_close, cases, golden, narrow, number};
 use haarmonic::reference::table as twin;
 use haarmonic::strategies;
 use haarmonic::table::{DiskGrid, Outside, Rectangle, SummedArea, SummedAreaPlan, SummedAreaRef, SummedAreaStack};
 use haarmonic::{Error, Real};
 use proptest::prelude::*;
-
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
 
 fn rectangle([left, top, right, bottom]: [f64; 4]) -> Rectangle {
     Rectangle { left, top, right, bottom }
@@ -21,13 +15,9 @@ fn sides(r: Rectangle) -> [f64; 4] {
     [r.left, r.top, r.right, r.bottom]
 }
 
-fn narrow<T: Real>(x: &[f64]) -> Vec<T> {
-    x.iter().map(|&x| T::of(x)).collect()
-}
-
 #[test]
 fn golden_tables_and_rectangles_are_reproduced() {
-    let golden = golden("sat");
+    let golden = golden(HAAR_AFFINE, "sat");
     let numbers = |v: &serde_json::Value| -> Vec<f64> {
         v.as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).map(|x| x.as_f64().unwrap()).collect()
     };
@@ -50,7 +40,7 @@ fn golden_tables_and_rectangles_are_reproduced() {
     let rects = golden["fractional_rects"].as_array().unwrap();
     assert_eq!(rects.len(), 15);
     for row in rects {
-        let [l, r, t, b, sum] = std::array::from_fn(|k| rational(&row[k]));
+        let [l, r, t, b, sum] = std::array::from_fn(|k| number(&row[k]));
         // Entries reach 714; a handful of roundings.
         assert_close(table.sum(rectangle([l, t, r, b])), sum, 1e-12, "fractional");
         assert_close(twin::rectangle_sum([7, 6], &samples, [l, t, r, b], [false; 2]), sum, 1e-12, "twin");
@@ -106,7 +96,7 @@ fn image(largest: usize) -> impl Strategy<Value = (usize, usize, Vec<f64>)> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn tables_are_sums((width, height, samples) in image(40)) {
@@ -169,7 +159,8 @@ proptest! {
 
 #[test]
 fn sizes_beyond_a_band_and_a_chunk() {
-    // Bands are 64 rows, chunks 256 columns: one and a bit of each, in both ways round. Small integers: exact in every type.
+    // Bands are 64 rows, chunks 256 columns: one and a bit of each, in both ways round. Small integers: exact in every
+    // type.
     for (width, height) in [(257, 9), (261, 65), (513, 3), (1, 200), (16, 129)] {
         let samples: Vec<f64> = (0..width * height).map(|i| ((i * 7919) % 23) as f64 - 11.0).collect();
         let want = twin::summed_area(width, height, &samples);
@@ -189,7 +180,8 @@ fn sizes_beyond_a_band_and_a_chunk() {
     assert!(serial == parallel);
 }
 
-/// Rows that are summed two at a time and columns that are taken sixteen at a time, or one by one where they end: the same bits.
+/// Rows that are summed two at a time and columns that are taken sixteen at a time, or one by one where they end: the
+/// same bits.
 #[test]
 fn parts_of_an_image_have_the_bits_of_the_whole() {
     fn check<T: Real>(width: usize, height: usize) {

@@ -1,39 +1,33 @@
 //! Visibility distance tables and coverage against golden values and brute force.
 
-use crate::support::{assert_close, golden, rational};
+use crate::support::{HAAR_AFFINE, Stream, assert_close, cases, golden, number};
 use haarmonic::Error;
 use haarmonic::reference::table as twin;
 use haarmonic::strategies;
 use haarmonic::table::{
-    BinaryMap, Coverage, Frame, Rectangle, SummedArea, VisibilityDistance, VisibilityDistancePlan,
+    BinaryMap, Border, Coverage, Rectangle, SummedArea, VisibilityDistance, VisibilityDistancePlan,
     VisibilityDistanceScratch, half_plane_coverage, linear_coverage, mean_coverage, smoothstep_coverage,
 };
 use proptest::prelude::*;
 
-/// 48 cases, or as many as PROPTEST_CASES says.
-fn config() -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|s| s.parse().ok()).unwrap_or(48);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-fn squares(width: usize, height: usize, map: &[bool], frame: Frame) -> Vec<i32> {
-    let plan = VisibilityDistancePlan::new(width, height, frame).unwrap();
+fn squares(width: usize, height: usize, map: &[bool], border: Border) -> Vec<i32> {
+    let plan = VisibilityDistancePlan::new(width, height, border).unwrap();
     let mut out = vec![i32::MIN; plan.len()];
     plan.squares(map.into(), &mut out, &mut VisibilityDistanceScratch::default());
     out
 }
 
 /// The twin's squares, the bound where there is no boundary.
-fn expected(width: usize, height: usize, map: &[bool], frame: Frame) -> Vec<i32> {
+fn expected(width: usize, height: usize, map: &[bool], border: Border) -> Vec<i32> {
     let bound = 4 * (width * width + height * height) as i32;
-    let squares = twin::signed_squares(width, height, map, frame == Frame::Zero);
+    let squares = twin::signed_squares(width, height, map, border == Border::Zero);
     let signed = |i: usize| squares[i].map_or(if map[i] { bound } else { -bound }, |s| i32::try_from(s).unwrap());
     (0..map.len()).map(signed).collect()
 }
 
 #[test]
 fn golden_distances_are_reproduced() {
-    let golden = golden("signed_distance");
+    let golden = golden(HAAR_AFFINE, "signed_distance");
     let cases = golden["cases"].as_array().unwrap();
     assert_eq!(cases.len(), 6);
     for case in cases {
@@ -41,32 +35,32 @@ fn golden_distances_are_reproduced() {
         let (width, height) = (rows[0].len(), rows.len());
         let map: Vec<bool> = rows.concat().bytes().map(|b| b == b'1').collect();
         let bound = 4 * (width * width + height * height) as i64;
-        for (frame, key) in [(Frame::Open, "signed_4d2_no_border"), (Frame::Zero, "signed_4d2_outside_is_zero")] {
+        for (border, key) in [(Border::Open, "signed_4d2_no_border"), (Border::Zero, "signed_4d2_outside_is_zero")] {
             let values = case[key].as_array().unwrap().iter().flat_map(|r| r.as_array().unwrap());
             let sign = |i: usize| if map[i] { 1 } else { -1 };
             let want: Vec<i64> = values.enumerate().map(|(i, v)| v.as_i64().unwrap_or(sign(i) * bound)).collect();
-            let got: Vec<i64> = squares(width, height, &map, frame).into_iter().map(i64::from).collect();
-            assert_eq!(got, want, "{} {frame:?}", case["name"]);
-            let twin: Vec<i64> = expected(width, height, &map, frame).into_iter().map(i64::from).collect();
-            assert_eq!(twin, want, "twin: {} {frame:?}", case["name"]);
+            let got: Vec<i64> = squares(width, height, &map, border).into_iter().map(i64::from).collect();
+            assert_eq!(got, want, "{} {border:?}", case["name"]);
+            let twin: Vec<i64> = expected(width, height, &map, border).into_iter().map(i64::from).collect();
+            assert_eq!(twin, want, "twin: {} {border:?}", case["name"]);
         }
     }
 }
 
 #[test]
 fn golden_coverages_are_reproduced() {
-    let golden = golden("square_and_hemisphere");
+    let golden = golden(HAAR_AFFINE, "square_and_hemisphere");
     let rows = golden["coverage"].as_array().unwrap();
     assert_eq!(rows.len(), 61);
     for row in rows {
-        let [d, edge, angle] = std::array::from_fn(|k| rational(&row[k]));
+        let [d, edge, angle] = std::array::from_fn(|k| number(&row[k]));
         let want = row[3].as_f64().unwrap();
         assert_close(half_plane_coverage(d, edge, [angle.cos(), angle.sin()]), want, 1e-14, "half-plane");
         assert_close(twin::half_plane_coverage(d, edge, angle), want, 1e-14, "cut polygon");
     }
     let rows = golden["orientation_average"].as_array().unwrap();
     for row in rows {
-        let (t, want) = (rational(&row[0]), row[1].as_f64().unwrap());
+        let (t, want) = (number(&row[0]), row[1].as_f64().unwrap());
         assert_close(mean_coverage(t, 2.0), want, 1e-14, "mean");
         assert_close(twin::mean_coverage(t, 2.0), want, 1e-12, "mean by quadrature");
     }
@@ -83,21 +77,21 @@ fn bits(map: &[bool]) -> Vec<u64> {
 }
 
 proptest! {
-    #![proptest_config(config())]
+    #![proptest_config(cases(48))]
 
     #[test]
     fn distances_are_the_nearest_of_all((width, height, map) in map_of((1..=40, 1..=24))) {
-        for frame in [Frame::Open, Frame::Zero] {
-            prop_assert_eq!(squares(width, height, &map, frame), expected(width, height, &map, frame));
+        for border in [Border::Open, Border::Zero] {
+            prop_assert_eq!(squares(width, height, &map, border), expected(width, height, &map, border));
         }
     }
 
     #[test]
     fn one_map_in_every_form((width, height, map) in map_of((1..=40, 1..=24)), count in 1..4_usize) {
-        let plan = VisibilityDistancePlan::new(width, height, Frame::Zero).unwrap();
-        let single = squares(width, height, &map, Frame::Zero);
+        let plan = VisibilityDistancePlan::new(width, height, Border::Zero).unwrap();
+        let single = squares(width, height, &map, Border::Zero);
         let negative: Vec<bool> = map.iter().map(|&v| !v).collect();
-        let other = squares(width, height, &negative, Frame::Zero);
+        let other = squares(width, height, &negative, Border::Zero);
         // Unlike maps in a batch: what one leaves in the scratch is not seen by the next.
         let part = |k: usize| if k % 2 == 0 { &map } else { &negative };
         let want: Vec<i32> = (0..count).flat_map(|k| if k % 2 == 0 { &single } else { &other }).copied().collect();
@@ -124,7 +118,7 @@ proptest! {
 
     #[test]
     fn look_ups_between_centres((width, height, map) in map_of((1..=12, 1..=12)), u in 0.0..1.0_f64, v in 0.0..1.0_f64) {
-        let table = VisibilityDistance::new([width, height], map.as_slice(), Frame::Open).unwrap();
+        let table = VisibilityDistance::new([width, height], map.as_slice(), Border::Open).unwrap();
         let view = table.as_ref();
         let entry = |x: usize, y: usize| f64::from(view.distances()[y * width + x]);
         for y in 0..height {
@@ -157,13 +151,13 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: config().cases.div_ceil(2), ..config() })]
+    #![proptest_config(ProptestConfig { cases: cases(48).cases.div_ceil(2), ..cases(48) })]
 
     /// Wider than what is tried in vectors, and farther than 16 bits.
     #[test]
     fn far_boundaries((width, height, map) in map_of((65..=130, 1..=14))) {
-        for frame in [Frame::Open, Frame::Zero] {
-            prop_assert_eq!(squares(width, height, &map, frame), expected(width, height, &map, frame));
+        for border in [Border::Open, Border::Zero] {
+            prop_assert_eq!(squares(width, height, &map, border), expected(width, height, &map, border));
         }
     }
 }
@@ -173,9 +167,9 @@ fn farther_than_sixteen_bits() {
     for (width, height, at) in [(7, 300, 5), (300, 7, 299), (300, 1, 0), (1, 300, 299), (270, 12, 2000), (48, 150, 0)] {
         for value in [false, true] {
             let map: Vec<bool> = (0..width * height).map(|i| (i == at) != value).collect();
-            for frame in [Frame::Open, Frame::Zero] {
-                let got = squares(width, height, &map, frame);
-                assert!(got == expected(width, height, &map, frame), "{width}×{height} {value} {frame:?}");
+            for border in [Border::Open, Border::Zero] {
+                let got = squares(width, height, &map, border);
+                assert!(got == expected(width, height, &map, border), "{width}×{height} {value} {border:?}");
             }
         }
     }
@@ -186,13 +180,13 @@ fn the_largest_sizes_do_not_overflow() {
     for (width, height) in [(16_384, 2), (2, 16_384)] {
         let mut map = vec![true; width * height];
         map[0] = false;
-        let got = squares(width, height, &map, Frame::Open);
+        let got = squares(width, height, &map, Border::Open);
         assert_eq!(got[width * height - 1], (2 * 16_383 - 1) * (2 * 16_383 - 1) + 1);
     }
-    let plan = VisibilityDistancePlan::new(16_383, 16_383, Frame::Open).unwrap();
+    let plan = VisibilityDistancePlan::new(16_383, 16_383, Border::Open).unwrap();
     assert_eq!(plan.square_bound(), 8 * 16_383 * 16_383);
     for (width, height) in [(16_384, 16_384), (16_385, 1), (usize::MAX, usize::MAX)] {
-        assert!(matches!(VisibilityDistancePlan::new(width, height, Frame::Open), Err(Error::OutOfRange { .. })));
+        assert!(matches!(VisibilityDistancePlan::new(width, height, Border::Open), Err(Error::OutOfRange { .. })));
     }
 }
 
@@ -202,7 +196,7 @@ fn maps_without_boundary_have_the_bound() {
         let bound = ((width * width + height * height) as f64).sqrt() as f32;
         for value in [false, true] {
             let map = vec![value; width * height];
-            let table = VisibilityDistance::new([width, height], map.as_slice(), Frame::Open).unwrap();
+            let table = VisibilityDistance::new([width, height], map.as_slice(), Border::Open).unwrap();
             let sign = if value { 1.0 } else { -1.0 };
             assert!(table.as_ref().distances().iter().all(|&d| d == sign * bound), "{width}×{height}");
             for form in [Coverage::Gradient, Coverage::Mean, Coverage::Smoothstep, Coverage::Linear] {
@@ -210,33 +204,33 @@ fn maps_without_boundary_have_the_bound() {
                 let share = table.as_ref().coverage([0.5, 0.5], 0.9, form);
                 assert_eq!(share, if value { 1.0 } else { 0.0 });
             }
-            let closed = VisibilityDistance::new([width, height], map.as_slice(), Frame::Zero).unwrap();
+            let closed = VisibilityDistance::new([width, height], map.as_slice(), Border::Zero).unwrap();
             let all = closed.as_ref().distances();
             assert!(if value { all[0] == 0.5 } else { all.iter().all(|&d| d == -bound) });
         }
     }
-    let plan = VisibilityDistancePlan::new(0, 5, Frame::Open).unwrap();
+    let plan = VisibilityDistancePlan::new(0, 5, Border::Open).unwrap();
     plan.distances(BinaryMap::Bytes(&[]), &mut [], &mut VisibilityDistanceScratch::default());
     plan.distances_parallel(BinaryMap::Bits(&[]), &mut []);
-    let none = VisibilityDistance::new([0, 5], [].as_slice() as &[bool], Frame::Open);
+    let none = VisibilityDistance::new([0, 5], [].as_slice() as &[bool], Border::Open);
     assert!(matches!(none, Err(Error::Empty { .. })));
-    let short = VisibilityDistance::new([2, 5], [0_u64; 2].as_slice(), Frame::Open);
+    let short = VisibilityDistance::new([2, 5], [0_u64; 2].as_slice(), Border::Open);
     assert!(matches!(short, Err(Error::Length { expected: 1, got: 2, .. })));
 }
 
 #[test]
 fn outside_the_map() {
     let map = [true; 16];
-    let closed = VisibilityDistance::new([4, 4], map.as_slice(), Frame::Zero).unwrap();
+    let closed = VisibilityDistance::new([4, 4], map.as_slice(), Border::Zero).unwrap();
     let view = closed.as_ref();
-    // On the frame, beyond it, and past a corner.
+    // On the border, beyond it, and past a corner.
     assert_eq!(view.at([4.0, 2.0]), 0.0);
     assert_eq!(view.at([6.0, 2.0]), -2.0);
     assert_eq!(view.at([-2.5, 7.5]), 0.5 - 5.0);
     assert_eq!(view.gradient([6.0, 2.0])[0], -1.0);
     assert_eq!(view.coverage([4.0, 2.0], 1.0, Coverage::Gradient), 0.5);
     assert_eq!(view.coverage([9.0, 9.0], 1.0, Coverage::Gradient), 0.0);
-    let open = VisibilityDistance::new([2, 1], [true, false].as_slice(), Frame::Open).unwrap();
+    let open = VisibilityDistance::new([2, 1], [true, false].as_slice(), Border::Open).unwrap();
     assert_eq!(open.as_ref().at([-7.0, 5.0]), 0.5);
     assert_eq!(open.as_ref().gradient([1.0, 0.5]), [-1.0, 0.0]);
     assert!(open.as_ref().at([f64::NAN, 0.5]).is_nan());
@@ -283,45 +277,32 @@ fn how_far_the_forms_are_from_each_other() {
     assert_close(linear, 0.042_893, 1e-5, "linear, worst");
 }
 
-/// Numbers in [0, 1) without a pattern.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-}
-
 const SIDE: usize = 32;
 
 fn drawn(inside: impl Fn(f64, f64) -> bool) -> Vec<bool> {
     (0..SIDE * SIDE).map(|i| inside((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5)).collect()
 }
 
-fn half_plane(numbers: &mut Numbers) -> impl Fn(f64, f64) -> f64 + use<> {
+fn half_plane(numbers: &mut Stream) -> impl Fn(f64, f64) -> f64 + use<> {
     let (x, y, angle) = (numbers.between(6.0, 26.0), numbers.between(6.0, 26.0), numbers.between(0.0, 6.3));
     move |u, v| (u - x) * angle.cos() + (v - y) * angle.sin()
 }
 
-fn disc(numbers: &mut Numbers) -> Vec<bool> {
+fn disc(numbers: &mut Stream) -> Vec<bool> {
     let (x, y, r) = (numbers.between(-8.0, 40.0), numbers.between(-8.0, 40.0), numbers.between(8.0, 24.0));
-    let hole = numbers.next() < 0.5;
+    let hole = numbers.unit() < 0.5;
     drawn(|u, v| ((u - x).hypot(v - y) < r) != hole)
 }
 
-fn sticks(numbers: &mut Numbers) -> Vec<bool> {
+fn sticks(numbers: &mut Stream) -> Vec<bool> {
     let all: Vec<_> = (0..3).map(|_| (half_plane(numbers), numbers.between(0.5, 1.5))).collect();
     drawn(|u, v| all.iter().all(|(side, half)| side(u, v).abs() > *half))
 }
 
-/// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their summed-area tables.
-fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
-    let (mut numbers, mut sums, mut count) = (Numbers(1), [0.0; 5], 0.0);
+/// RMS error of eq. 9 as printed and of the four forms, squares of 2 to 10 pixels inside 32² maps against their
+/// summed-area tables.
+fn rms(mut map: impl FnMut(&mut Stream) -> Vec<bool>) -> [f64; 5] {
+    let (mut numbers, mut sums, mut count) = (Stream::new(1), [0.0; 5], 0.0);
     for _ in 0..150 {
         let map = map(&mut numbers);
         if map.iter().all(|&v| v) || !map.iter().any(|&v| v) {
@@ -329,7 +310,7 @@ fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
         }
         let values: Vec<f32> = map.iter().map(|&v| f32::from(u8::from(v))).collect();
         let exact: SummedArea<f64> = SummedArea::new(SIDE, SIDE, &values).unwrap();
-        let table = VisibilityDistance::new([SIDE, SIDE], map.as_slice(), Frame::Open).unwrap();
+        let table = VisibilityDistance::new([SIDE, SIDE], map.as_slice(), Border::Open).unwrap();
         for _ in 0..200 {
             let edge = numbers.between(2.0, 10.0);
             let [x, y] = std::array::from_fn(|_| numbers.between(0.5 * edge, SIDE as f64 - 0.5 * edge));
@@ -346,15 +327,15 @@ fn rms(mut map: impl FnMut(&mut Numbers) -> Vec<bool>) -> [f64; 5] {
     sums.map(|sum| (sum / count).sqrt())
 }
 
-/// The figures of docs/table.md. Other random maps give other digits: of the corrected forms, a sixth at most (it is the share of squares near
-/// the boundary that makes eq. 9 as printed anything from .2 to .3).
+/// The figures of docs/table.md. Other random maps give other digits: of the corrected forms, a sixth at most (it is
+/// the share of squares near the boundary that makes eq. 9 as printed anything from .2 to .3).
 #[test]
 fn coverage_of_random_maps() {
-    let straight = |n: &mut Numbers| {
+    let straight = |n: &mut Stream| {
         let side = half_plane(n);
         drawn(|u, v| side(u, v) > 0.0)
     };
-    let wedge = |n: &mut Numbers| {
+    let wedge = |n: &mut Stream| {
         let sides = [half_plane(n), half_plane(n)];
         drawn(|u, v| sides.iter().all(|side| side(u, v) > 0.0))
     };

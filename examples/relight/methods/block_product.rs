@@ -32,8 +32,8 @@ pub struct BlockProduct {
     #[arg(long, value_name = "T", default_value_t = tolerance(), allow_negative_numbers = true)]
     tolerance: f64,
 
-    /// block-product: visibility of 2^B levels, B from 2 to 8, instead of two. The ground truth it is compared with keeps
-    /// two levels, as for the other methods; with a larger --truth-resolution the gain shows
+    /// block-product: visibility of 2^B levels, B from 2 to 8, instead of two. The ground truth it is compared with
+    /// keeps two levels, as for the other methods; with a larger --truth-resolution the gain shows
     #[arg(long, value_name = "B")]
     visibility_bits: Option<u32>,
 

@@ -1,6 +1,7 @@
 //! Runs the methods and measures them against ground truth.
 //!
-//! A method is one file: a type that holds its own options and implements [`Method`]. A line in [`methods!`] makes it known.
+//! A method is one file: a type that holds its own options and implements [`Method`]. A line in [`methods!`] makes it
+//! known.
 
 mod block_product;
 mod wavelet_double;
@@ -127,7 +128,7 @@ impl Run {
             Some(side) if side != args.resolution => {
                 let fine = baker.with_grid(CubeGrid::new(side)?);
                 let bake = |vertex: usize, words: &mut [u64]| {
-                    fine.bake_vertex(vertex, words);
+                    fine.bake_vertex(vertex, words, &mut fine.scratch());
                 };
                 let bar = Bar::new("ground truth, resolution of its own");
                 let visibility = TexelVisibility::Words { grid: fine.grid(), fill: &bake };

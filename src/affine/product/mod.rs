@@ -20,6 +20,7 @@ use self::table::{Slopes, Table1d, Table2d, Values};
 use self::terms::{Slopes1d, Slopes2d, Terms, Value1d, Value2d};
 use self::walk::integrate;
 use super::{AffineMap, Atom};
+use crate::approx_eq::approx_by_parts;
 use crate::haar::{BinaryTree, Decomposition, Quadtree, SparseVector, inverse_1d, inverse_2d};
 use crate::{Error, Real, Result};
 
@@ -57,7 +58,9 @@ fn route(terms: usize, area: f64) -> ProductRoute {
 
 /// Plan of ∫ F(s v + o) Π_k G_k(v) dv over [0, 1) for one 1D signal F, many maps and factors.
 ///
-///   no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
+/// ```math
+/// no factor: ∫ F;   one: Σ_ij F_i G_j D_ij;   two: Σ_ijk F_i G_j W_k D_ijk          [Sun 2008, eqs. 4.7, 4.10]
+/// ```
 ///
 /// F is 0 outside [0, 1). The sizes of F and of the factors may differ. Nothing is allocated after construction.
 /// Accuracy: by terms, a few ε of max|F| Π max|G_k|; by the primitive, that over |s| where |s| < 1. Measured against
@@ -156,7 +159,7 @@ impl AffineProduct1d {
 /// ```
 /// use haarmonic::affine::{AffineMap, AffineProduct2d};
 /// use haarmonic::haar::{Quadtree, SparseVector};
-/// // F = 1 + ψ(x) is 2 on the left half. Moved by a quarter it covers [−¼, ¼), and G = 1 + ψ(y) is 2 on the upper half.
+/// // F = 1 + ψ(x) is 2 on the left half. Moved by a quarter it covers [−¼, ¼); G = 1 + ψ(y) is 2 on the upper half.
 /// let light = SparseVector::from_dense(&[1.0, 1.0, 0.0, 0.0]);
 /// let visibility = Quadtree::new(&SparseVector::from_dense(&[1.0, 0.0, 1.0, 0.0]))?;
 /// let plan = AffineProduct2d::new([&light])?;
@@ -296,3 +299,8 @@ pub fn affine_triple_product_2d<T: Real>(
     let [value] = AffineProduct2d::new([f])?.integral([&Quadtree::new(g)?, &Quadtree::new(w)?], maps);
     Ok(value)
 }
+
+approx_by_parts!(
+    [const AXES: usize, const C: usize] ProductGradient<AXES, C>, f64,
+    |g| close [&g.value, g.scale.as_flattened(), g.offset.as_flattened()] same []
+);

@@ -3,7 +3,9 @@
 //!
 //! With P(X, Y) = ∫₀^X ∫₀^Y F the double primitive of the source, and x_a, y_b the breakpoints of the two target atoms
 //! carried into the source,
-//!   L_k = 2^{(l_x + l_y)/2}/(s_x s_y) Σ_ab w_a w_b P(x_a, y_b),    w = (−1, 2, −1) of ψ, (−1, 1) of φ.
+//! ```math
+//! L_k = 2^{(l_x + l_y)/2}/(s_x s_y) Σ_ab w_a w_b P(x_a, y_b),    w = (−1, 2, −1) of ψ, (−1, 1) of φ.
+//! ```
 //! F is constant on its pixels, so P between the corners of the table is bilinear, exactly.
 
 use crate::Real;

@@ -53,7 +53,9 @@ pub enum Axis {
 
 /// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y) for images of one side, in the wavelet domain.
 ///
-///   L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
+/// ```math
+/// L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
+/// ```
 ///
 /// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of this side. A light's coefficients are
 /// prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its

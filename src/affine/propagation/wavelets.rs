@@ -46,7 +46,9 @@ impl<T: Real> Rows<T> {
 }
 
 /// The two passes of [Sun 2008, §4.5.5], standard basis:
-///   Z[i₂][k₁] = Σ_{i₁} F[i₂][i₁] D[i₁][k₁],   L[k₂][k₁] = Σ_{i₂} D[i₂][k₂] Z[i₂][k₁].
+/// ```math
+/// Z[i₂][k₁] = Σ_{i₁} F[i₂][i₁] D[i₁][k₁],   L[k₂][k₁] = Σ_{i₂} D[i₂][k₂] Z[i₂][k₁].
+/// ```
 pub(super) struct TwoPass<'a, T, const C: usize> {
     pub(super) levels: u32,
     pub(super) maps: [AffineMap; 2],

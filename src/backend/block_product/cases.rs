@@ -1,7 +1,7 @@
 //! The cases of algorithm 1 [Inger 2013].
 
 use super::live::Live;
-use super::rule::PIXELS;
+use super::rule::SampleClass;
 
 /// How a block of one vertex and lobe is summed up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,17 +23,18 @@ pub(super) enum Case {
 impl Case {
     const COUNT: usize = 8;
 
-    /// Of a class: 0, 1, 4, 16 samples or all pixels.
+    /// Of so many samples.
     #[inline(always)]
-    fn of(class: u8, free: bool) -> Self {
+    fn of(class: SampleClass, free: bool) -> Self {
         use Case::*;
         const PARTLY: [Case; 8] = [Nothing, Partly1, Partly4, PartlyPixels, PartlyPixels, Nothing, Nothing, Nothing];
         const FREE: [Case; 8] = [Nothing, Free1, Free4, Free16, FreePixels, Nothing, Nothing, Nothing];
-        [PARTLY, FREE][usize::from(free)][usize::from(class & 7)]
+        [PARTLY, FREE][usize::from(free)][class.index() & 7]
     }
 }
 
-/// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the processor knows what comes.
+/// Courses of one vertex and lobe, a list a case: all of a case are summed up one after the other, so that the
+/// processor knows what comes.
 #[derive(Debug, Clone)]
 pub(super) struct Cases {
     /// The courses that contribute, and their cases, as they came.
@@ -49,7 +50,7 @@ impl Cases {
 
     /// Sorts live blocks by their classes. Most contribute nothing; no branch depends on which.
     #[inline(always)]
-    pub(super) fn set(&mut self, live: &[Live], class: impl Fn(&Live) -> u8) {
+    pub(super) fn set(&mut self, live: &[Live], class: impl Fn(&Live) -> SampleClass) {
         let mut count = 0;
         for live in live {
             let case = Case::of(class(live), live.free);
@@ -68,17 +69,18 @@ impl Cases {
         &self.lists[case as usize]
     }
 
-    /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all pixels.
-    pub(super) fn classes(&self) -> impl Iterator<Item = (usize, u8)> + '_ {
+    /// All courses that contribute, and their classes; more than 4 samples of one that is partly hidden count as all
+    /// pixels.
+    pub(super) fn classes(&self) -> impl Iterator<Item = (usize, SampleClass)> + '_ {
         use Case::*;
         let classes = [
-            (Free1, 1),
-            (Free4, 2),
-            (Free16, 3),
-            (Partly1, 1),
-            (Partly4, 2),
-            (FreePixels, PIXELS),
-            (PartlyPixels, PIXELS),
+            (Free1, SampleClass::ONE),
+            (Free4, SampleClass::FOUR),
+            (Free16, SampleClass::SIXTEEN),
+            (Partly1, SampleClass::ONE),
+            (Partly4, SampleClass::FOUR),
+            (FreePixels, SampleClass::PIXELS),
+            (PartlyPixels, SampleClass::PIXELS),
         ];
         classes
             .into_iter()

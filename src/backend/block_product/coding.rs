@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::layout::BlockLayout;
 use super::paths::Paths;
-use crate::compress::{BinaryMaps, GrayMaps, MapIndex};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps, MapIndex};
 use crate::scene::BinaryVisibility;
 use crate::{Error, Result};
 
@@ -53,8 +53,8 @@ macro_rules! coded {
         }
     };
 }
-coded!(BinaryMaps, |len, _| Self::new(len), |_| 1);
-coded!(GrayMaps, Self::new, |maps| maps.top());
+coded!(CodedBinaryMaps, |len, _| Self::new(len), |_| 1);
+coded!(CodedGrayMaps, Self::new, |maps| maps.top());
 
 /// Maps of vertices and the paths that they take.
 #[derive(Debug)]
@@ -91,7 +91,7 @@ impl BitCutter {
     }
 
     /// Appends the blocks of a vertex; `words` as [`BinaryVisibility::vertex`] has them.
-    pub(super) fn code<I: MapIndex>(&mut self, words: &[u64], to: &mut Pathed<BinaryMaps<I>>) {
+    pub(super) fn code<I: MapIndex>(&mut self, words: &[u64], to: &mut Pathed<CodedBinaryMaps<I>>) {
         let (side, along) = (self.layout.side(), self.layout.grid().side() / self.layout.side());
         let mask = u64::MAX >> (64 - side);
         to.paths.push_vertex(self.layout.blocks());
@@ -110,7 +110,7 @@ impl BitCutter {
     }
 
     /// Appends the block of the rows along the path with fewer changes.
-    fn push<I: MapIndex>(&mut self, block: usize, to: &mut Pathed<BinaryMaps<I>>) {
+    fn push<I: MapIndex>(&mut self, block: usize, to: &mut Pathed<CodedBinaryMaps<I>>) {
         if self.rows.iter().all(|&w| w == 0) || self.rows.iter().all(|&w| w == u64::MAX) {
             return to.maps.push_bits(&self.rows);
         }
@@ -162,7 +162,12 @@ impl GrayCutter {
     }
 
     /// Appends the blocks of a vertex. A texel whose centre is below the horizon reflects nothing and counts as hidden.
-    pub(super) fn code<I: MapIndex>(&mut self, counts: &[u8], normal: &Vector3<f32>, to: &mut Pathed<GrayMaps<I>>) {
+    pub(super) fn code<I: MapIndex>(
+        &mut self,
+        counts: &[u8],
+        normal: &Vector3<f32>,
+        to: &mut Pathed<CodedGrayMaps<I>>,
+    ) {
         let normal = normal.cast::<f64>();
         let blocks = self.layout.blocks();
         to.paths.push_vertex(blocks);

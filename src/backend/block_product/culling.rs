@@ -4,7 +4,8 @@ use nalgebra::Vector3;
 
 use crate::scene::{Camera, Mesh};
 
-/// Marks the vertices of faces that turn their front to the camera and are not wholly to one side of the picture or behind it.
+/// Marks the vertices of faces that turn their front to the camera and are not wholly to one side of the picture or
+/// behind it.
 pub(super) fn mark(mesh: &Mesh, camera: &Camera, aspect: f64, needed: &mut Vec<bool>) {
     needed.clear();
     needed.resize(mesh.positions().len(), false);
@@ -20,8 +21,8 @@ pub(super) fn mark(mesh: &Mesh, camera: &Camera, aspect: f64, needed: &mut Vec<b
     }
 }
 
-/// The planes through the eye and the edges of the picture, and the one across its axis: a point of the picture is on the positive
-/// side of all.
+/// The planes through the eye and the edges of the picture, and the one across its axis: a point of the picture is on
+/// the positive side of all.
 fn planes(camera: &Camera, aspect: f64) -> [Vector3<f64>; 5] {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let corners = corners.map(|[x, y]| camera.direction(x * aspect, y).into_inner());

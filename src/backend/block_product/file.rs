@@ -4,7 +4,8 @@
 //! SIZE  side of the cube map u64, side of a block u64, path u64 (0 rows, 1 serpentine, 2 Hilbert),
 //!       top level u64 (1 binary, 3…255 several levels), vertices u64
 //! MAPS  for each 4096 vertices: coded maps as `compress` writes them
-//! PATH  behind each MAPS: u64, a bit a block that is set if the path of its map is turned, each vertex from a new word on
+//! PATH  behind each MAPS: u64, a bit a block that is set if the path of its map is turned, each vertex from a
+//!       new word on
 //! ```
 //! Sections are written and read one at a time, so that a database needs little more memory than it has.
 

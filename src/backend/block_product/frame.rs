@@ -2,38 +2,38 @@
 
 use nalgebra::Vector3;
 
-use super::bounds::{Checks, Place, WideView};
+use super::bounds::{Checks, Position, WideView};
 use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::light::LightForms;
 use super::live::{Live, LiveBlocks};
-use super::lobes::{Lobe, Model, Plan, Planner, Sampling};
+use super::lobes::{Lobe, Plan, Planner, Sampling};
 use super::products::{Cut, LobeSum, Moments};
-use super::rule::{BlockAngle, PIXELS, Rule, fixed};
+use super::rule::{BlockAngle, Rule, SampleClass, fixed};
 use super::samples::Samples;
-use super::schedule::{Group, Schedule, TOGETHER};
+use super::schedule::{GROUP, Group, Schedule};
 use super::settings::Settings;
 use super::stats::FrameStats;
 use super::suffix::MomentSums;
 use super::tables::Directions;
-use super::tiles::GROUP;
+use super::tiles::TILE;
 use super::visible::{Room, Visible};
 use crate::compress::MapState;
 use crate::parallel;
-use crate::scene::{Axes, Cosine, Eval, Kernel, Materials, Mesh, Reflectance, View, narrow};
+use crate::scene::{Axes, Kernel, KernelVisitor, Materials, Mesh, View, narrow};
 
 /// Work space of a piece of the vertices.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
     /// [vertex of a group]
     seen: Vec<Option<Seen>>,
-    wanted: Box<[bool; TOGETHER]>,
-    moments: Box<[MomentSums; TOGETHER]>,
+    wanted: Box<[bool; GROUP]>,
+    moments: Box<[MomentSums; GROUP]>,
     samples: Samples,
     live: Vec<Live>,
     cases: Cases,
     /// [block]: where it is in a table.
-    places: Vec<Place>,
+    positions: Vec<Position>,
     /// A bit a block: those that may need samples.
     near: Vec<u64>,
     room: Room,
@@ -43,13 +43,13 @@ impl Scratch {
     pub(super) fn new(layout: &BlockLayout) -> Self {
         let blocks = layout.blocks();
         Self {
-            seen: Vec::with_capacity(TOGETHER),
-            wanted: Box::new([false; TOGETHER]),
-            moments: Box::new([MomentSums::default(); TOGETHER]),
+            seen: Vec::with_capacity(GROUP),
+            wanted: Box::new([false; GROUP]),
+            moments: Box::new([MomentSums::default(); GROUP]),
             samples: Samples::new(),
             live: Vec::with_capacity(blocks),
             cases: Cases::new(blocks),
-            places: vec![Place::default(); blocks],
+            positions: vec![Position::default(); blocks],
             near: vec![!0; blocks.div_ceil(64)],
             room: Room::new(layout.block_len()),
         }
@@ -102,10 +102,10 @@ impl Frame<'_, '_> {
         scratch: &mut [Scratch],
         out: &mut [Vector3<f32>],
     ) {
-        let done = parallel::with_scratch(out, TOGETHER, scratch, |first, out, scratch| {
-            for (k, out) in out.chunks_mut(TOGETHER).enumerate() {
-                let first = first + k * TOGETHER;
-                self.group(maps, schedule.group(first / TOGETHER), first, scratch, out);
+        let done = parallel::with_scratch(out, GROUP, scratch, |first, out, scratch| {
+            for (k, out) in out.chunks_mut(GROUP).enumerate() {
+                let first = first + k * GROUP;
+                self.group(maps, schedule.group(first / GROUP), first, scratch, out);
             }
             Ok(())
         });
@@ -157,14 +157,14 @@ impl Frame<'_, '_> {
         if !self.is_needed(vertex) {
             return None;
         }
-        let (mesh, frame) = (self.inputs.mesh, self.inputs.mesh.frame(vertex));
+        let (mesh, frame) = (self.inputs.mesh, self.inputs.mesh.local_frame(vertex));
         let normal = Axes::upright(&frame);
         let wo = self.view.outgoing(self.materials.brdf(vertex), &mesh.positions()[vertex], &frame);
         (normal.dot(&wo) > 0.0).then_some(Seen { normal, wo })
     }
 
     fn facing(self, vertex: usize, seen: &Seen) -> Facing {
-        let axes = Axes::new(&self.inputs.mesh.frame(vertex));
+        let axes = Axes::new(&self.inputs.mesh.local_frame(vertex));
         let local = axes.to_local(&seen.wo);
         let mirror = narrow(&axes.to_world(&Vector3::new(-local.x, -local.y, local.z)));
         Facing { axes, wo: seen.wo, normal: narrow(&seen.normal), mirror }
@@ -191,7 +191,7 @@ impl Frame<'_, '_> {
     /// The case of each live block.
     fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
         let Inputs { directions, arch, .. } = self.inputs;
-        let Scratch { live, cases, near, places, .. } = scratch;
+        let Scratch { live, cases, near, positions, .. } = scratch;
         match &lobe.sampling {
             Sampling::Mirror { .. } => {
                 arch.dispatch(Near { mirror: seen.mirror, centres: &directions.centres, reach: &lobe.reach, near })
@@ -200,7 +200,7 @@ impl Frame<'_, '_> {
         }
         self.inputs.live.list(vertex, near, live);
         match &lobe.sampling {
-            Sampling::Pixels => cases.set(live, |_| PIXELS),
+            Sampling::Pixels => cases.set(live, |_| SampleClass::PIXELS),
             Sampling::Fixed(exponent) => {
                 let fixed = fixed(*exponent);
                 let nearest = matches!(self.inputs.settings.rule, Rule::Fixed { angle: BlockAngle::Nearest });
@@ -219,13 +219,13 @@ impl Frame<'_, '_> {
                 });
             }
             Sampling::Wide { bounds, .. } => {
-                let (checks, groups) = (&lobe.checks[..], self.inputs.planner.groups());
+                let (checks, families) = (&lobe.checks[..], self.inputs.planner.families());
                 match bounds.seen_from(&seen.axes, &seen.wo) {
                     Some(view) => {
                         let centres = &directions.centres;
-                        arch.dispatch(Classes { view, centres, groups, places, live, checks, cases });
+                        arch.dispatch(Classes { view, centres, families, positions, live, checks, cases });
                     }
-                    None => cases.set(live, |_| PIXELS),
+                    None => cases.set(live, |_| SampleClass::PIXELS),
                 }
             }
         }
@@ -243,30 +243,19 @@ impl Frame<'_, '_> {
         let is_cut = matches!(lobe.sampling, Sampling::Mirror { .. });
         let cut = is_cut.then(|| Cut { mirror: seen.mirror, least: &lobe.least });
         let run = LobeRun { frame: self, vertex, seen, cut };
-        let sum = match &lobe.model {
-            Model::Lambert => Some(run.sum::<1, _, _>(Cosine, maps, scratch)),
-            Model::Phong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::BlinnPhong(phong) => phong.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::Ward(ward) => ward.kernel(axes, wo).map(|k| run.sum(k, maps, scratch)),
-            Model::CookTorrance(ggx) => ggx.facets(axes, wo).map(|facets| match facets {
-                Reflectance::Grey(k) => run.sum(k, maps, scratch),
-                Reflectance::Coloured(k) => run.sum(k, maps, scratch),
-            }),
-            Model::Other(brdf) => {
-                Some(run.sum(Eval { brdf: brdf.as_ref(), axes, wo: axes.to_local(wo) }, maps, scratch))
-            }
-        };
+        let sum = lobe.model.visit(axes, wo, Integral { run, maps, scratch });
         Vector3::from(sum.unwrap_or_default())
     }
 
     pub(super) fn count<V: Visible>(self, maps: &V, scratch: &mut Scratch) -> FrameStats {
         let mut stats = FrameStats::default();
         let blocks = self.inputs.light.layout().blocks();
-        let mut most = vec![0_u8; blocks];
+        let mut most = vec![SampleClass::NONE; blocks];
         for vertex in 0..self.inputs.mesh.positions().len() {
             let Some(seen) = self.seen(vertex) else { continue };
             let (plan, seen) = (self.plan(vertex), self.facing(vertex, &seen));
-            most.fill(u8::from(plan.diffuse != Vector3::zeros()));
+            let is_diffuse = plan.diffuse != Vector3::zeros();
+            most.fill(if is_diffuse { SampleClass::ONE } else { SampleClass::NONE });
             for lobe in &plan.lobes {
                 self.classify(vertex, lobe, &seen, scratch);
                 for (course, class) in scratch.cases.classes() {
@@ -290,29 +279,38 @@ struct LobeRun<'r, 'f, 'a> {
     cut: Option<Cut<'r>>,
 }
 
-impl LobeRun<'_, '_, '_> {
-    fn sum<const N: usize, K: Kernel<N>, V: Visible>(&self, kernel: K, maps: &V, scratch: &mut Scratch) -> [f64; 3] {
+/// Its integral, by whichever kernel.
+struct Integral<'r, 'f, 'a, 's, V> {
+    run: LobeRun<'r, 'f, 'a>,
+    maps: &'r V,
+    scratch: &'s mut Scratch,
+}
+
+impl<V: Visible> KernelVisitor for Integral<'_, '_, '_, '_, V> {
+    type Output = [f64; 3];
+
+    fn visit<const N: usize, K: Kernel<N>>(self, kernel: K) -> [f64; 3] {
+        let Self { run: LobeRun { frame, vertex, seen, cut }, maps, scratch } = self;
         let Scratch { samples, cases, room, .. } = scratch;
-        let Inputs { light, directions, arch, .. } = self.frame.inputs;
-        let first = self.vertex * light.layout().blocks();
-        let (normal, cut) = (self.seen.normal, self.cut);
-        let goes_on = matches!(self.frame.inputs.settings.rule, Rule::Bounded { .. });
+        let Inputs { light, directions, arch, .. } = frame.inputs;
+        let (first, normal) = (vertex * light.layout().blocks(), seen.normal);
+        let goes_on = matches!(frame.inputs.settings.rule, Rule::Bounded { .. });
         arch.dispatch(LobeSum { kernel, normal, maps, first, cases, light, directions, samples, room, cut, goes_on })
     }
 }
 
 /// The counts of one block.
-fn one_block(state: MapState, class: u8) -> FrameStats {
+fn one_block(state: MapState, class: SampleClass) -> FrameStats {
     let mut stats = FrameStats::default();
-    if state == MapState::AllZero || class == 0 {
+    if state == MapState::AllZero || class == SampleClass::NONE {
         stats.zero = 1;
         return stats;
     }
-    stats.samples[usize::from(class) - 1] = 1;
+    stats.samples[class.index() - 1] = 1;
     match (state, class) {
-        (_, PIXELS) => stats.pixels = 1,
+        (_, SampleClass::PIXELS) => stats.pixels = 1,
         (MapState::AllOne, _) => stats.coefficients = 1,
-        (_, 1 | 2) => stats.sums = 1,
+        (_, SampleClass::ONE | SampleClass::FOUR) => stats.sums = 1,
         _ => unreachable!("16 samples behind a partly hidden block are all pixels"),
     }
     stats
@@ -333,11 +331,11 @@ impl pulp::WithSimd for Near<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         self.near.fill(0);
-        let [x, y, z] = self.centres.each_ref().map(|plane| plane.as_chunks::<GROUP>());
-        let (reach, rest) = self.reach.as_chunks::<GROUP>();
+        let [x, y, z] = self.centres.each_ref().map(|plane| plane.as_chunks::<TILE>());
+        let (reach, rest) = self.reach.as_chunks::<TILE>();
         for (k, (((x, y), z), reach)) in x.0.iter().zip(y.0).zip(z.0).zip(reach).enumerate() {
-            let mut bits = [0_u32; GROUP];
-            for lane in 0..GROUP {
+            let mut bits = [0_u32; TILE];
+            for lane in 0..TILE {
                 let cosine = dot(self.mirror, [x[lane], y[lane], z[lane]]);
                 bits[lane] = u32::from(cosine >= reach[lane]) << lane;
             }
@@ -356,8 +354,8 @@ impl pulp::WithSimd for Near<'_> {
 struct Classes<'a> {
     view: WideView<'a>,
     centres: &'a [Vec<f32>; 3],
-    groups: &'a [u8],
-    places: &'a mut [Place],
+    families: &'a [u8],
+    positions: &'a mut [Position],
     live: &'a [Live],
     checks: &'a [Checks],
     cases: &'a mut Cases,
@@ -368,10 +366,10 @@ impl pulp::WithSimd for Classes<'_> {
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        self.view.find(self.centres, self.groups, self.places);
+        self.view.find(self.centres, self.families, self.positions);
         self.cases.set(self.live, |live| {
             let block = live.block as usize;
-            self.view.class(self.places[block], &self.checks[block], live.free)
+            self.view.class(self.positions[block], &self.checks[block], live.free)
         });
     }
 }

@@ -8,16 +8,16 @@ pub(super) const NODES: usize = 1 + 4 + 16;
 
 /// What is taken to lie between the samples of a block.
 ///
-/// A function is sampled at the centres of l × l parts of the block and stands for Σ_j f(node_j) φ_j. The sum over the block of
-/// light × visibility × function so is Σ_j f(node_j) G_j with weights G_j = Σ L V φ_j that hold the light alone: the change of
-/// basis [Inger 2013, eq. 4] is done when the light changes, not at every vertex.
+/// A function is sampled at the centres of l × l parts of the block and stands for Σ_j f(node_j) φ_j. The sum over the
+/// block of light × visibility × function so is Σ_j f(node_j) G_j with weights G_j = Σ L V φ_j that hold the light
+/// alone: the change of basis [Inger 2013, eq. 4] is done when the light changes, not at every vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Basis {
-    /// The l × l lowest cosines of the block, as in the paper. The mirrored continuation of a cosine series has a kink at the
-    /// block's edge: 16 coefficients miss a component of direction by .8 % (root mean square, 64²).
+pub enum SampleBasis {
+    /// The l × l lowest cosines of the block, as in the paper. The mirrored continuation of a cosine series has a kink
+    /// at the block's edge: 16 coefficients miss a component of direction by .8 % (root mean square, 64²).
     Cosine,
-    /// Polynomials of degree l − 1 on each axis through the same samples. A fifth of the error of cosines and less wherever 16
-    /// samples are enough at all (docs/block_product.md).
+    /// Polynomials of degree l − 1 on each axis through the same samples. A fifth of the error of cosines and less
+    /// wherever 16 samples are enough at all (docs/block_product.md).
     #[default]
     Polynomial,
 }
@@ -37,14 +37,14 @@ pub(super) struct Level {
 }
 
 impl Interpolation {
-    pub(super) fn new(side: usize, basis: Basis) -> Result<Self> {
+    pub(super) fn new(side: usize, basis: SampleBasis) -> Result<Self> {
         let level = |low: usize| -> Result<Level> {
             let plan = LowProjection::<f64>::centres(side, low)?;
             let at = plan.positions();
             let nodes = (0..low * low).map(|j| [at[j % low], at[j / low]]).collect();
             let cardinals = match basis {
-                Basis::Cosine => cosines(side, &plan)?,
-                Basis::Polynomial => polynomials(side, at),
+                SampleBasis::Cosine => cosines(side, &plan)?,
+                SampleBasis::Polynomial => polynomials(side, at),
             };
             Ok(Level { nodes, cardinals })
         };
@@ -93,12 +93,12 @@ mod tests {
     #[test]
     fn what_a_basis_holds_it_gives_back() {
         for side in [8, 16, 32] {
-            for basis in [Basis::Cosine, Basis::Polynomial] {
+            for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
                 let plan = Interpolation::new(side, basis).unwrap();
                 for (level, low) in plan.levels().iter().zip([1, 2, 4]) {
                     let function = |x: f64, y: f64| match basis {
-                        Basis::Polynomial => (0.3 + x / 7.0).powi(low - 1) * (1.0 - y / 9.0).powi(low - 1),
-                        Basis::Cosine => {
+                        SampleBasis::Polynomial => (0.3 + x / 7.0).powi(low - 1) * (1.0 - y / 9.0).powi(low - 1),
+                        SampleBasis::Cosine => {
                             let cosine = |x: f64| {
                                 ((2.0 * x + 1.0) * f64::from(low - 1) * std::f64::consts::PI / (2 * side) as f64).cos()
                             };
@@ -121,7 +121,7 @@ mod tests {
     }
 
     /// Root mean square over a block of what 16 samples miss of a function of direction.
-    fn missed(basis: Basis, f: impl Fn(&nalgebra::Vector3<f64>) -> f64) -> f64 {
+    fn missed(basis: SampleBasis, f: impl Fn(&nalgebra::Vector3<f64>) -> f64) -> f64 {
         let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
         let plan = Interpolation::new(16, basis).unwrap();
         let level = &plan.levels()[2];
@@ -138,8 +138,9 @@ mod tests {
     fn polynomials_are_better_where_sixteen_samples_are_enough() {
         let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
         let centre = layout.centre(5);
-        let both =
-            |f: &dyn Fn(&nalgebra::Vector3<f64>) -> f64| [Basis::Cosine, Basis::Polynomial].map(|b| missed(b, f));
+        let both = |f: &dyn Fn(&nalgebra::Vector3<f64>) -> f64| {
+            [SampleBasis::Cosine, SampleBasis::Polynomial].map(|b| missed(b, f))
+        };
         let side = both(&|d| d.y);
         let broad = both(&|d| centre.dot(d).powi(10));
         let sharp = both(&|d| centre.dot(d).powi(200));

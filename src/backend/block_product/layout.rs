@@ -6,10 +6,12 @@ use crate::compress::{Scan, ScanOrder};
 use crate::sphere::{CubeGrid, Face};
 use crate::{Error, Result};
 
-/// A cube map cut into square blocks, the pixels of each taken along a path or along the same path turned about the diagonal.
+/// A cube map cut into square blocks, the pixels of each taken along a path or along the same path turned about the
+/// diagonal.
 ///
-/// Block (by · blocks + bx) of face f has the number f · blocks² + by · blocks + bx, where `blocks` = side / block side; the
-/// *place* of a pixel in its block is its position along the path. 64² × 6 texels in blocks of 16² are 96 blocks.
+/// Block (by · blocks + bx) of face f has the number f · blocks² + by · blocks + bx, where `blocks` = side / block
+/// side; the *place* of a pixel in its block is its position along the path. 64² × 6 texels in blocks of 16² are 96
+/// blocks.
 ///
 /// # Example
 /// ```
@@ -101,7 +103,8 @@ impl BlockLayout {
         texel(self.grid, self.side, block, pixel)
     }
 
-    /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole numbers.
+    /// The unit direction at (x, y) of a block, in pixels from the centre of its first; pixel centres are whole
+    /// numbers.
     ///
     /// # Panics
     /// If `block` is out of range.

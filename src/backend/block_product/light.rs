@@ -3,14 +3,15 @@
 use nalgebra::Vector3;
 
 use super::bounds::Norms;
-use super::interpolation::{Basis, Interpolation, NODES};
+use super::interpolation::{Interpolation, NODES, SampleBasis};
 use super::layout::BlockLayout;
 use super::suffix::{Lanes, NodeSums};
-use super::tiles::{Eight, GROUP, Tiles};
+use super::tiles::{Eight, TILE, Tiles};
 use crate::Result;
 use crate::sphere::{CubeGrid, CubeMap};
 
-/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a layout:
+/// Radiance × solid angle of every texel, in three forms a block [Inger 2013, §4.3], for blocks along both paths of a
+/// layout:
 ///
 /// | form | what for | bytes a texel |
 /// |---|---|---|
@@ -36,7 +37,7 @@ pub struct LightForms {
     /// [course][place] z for B
     pub(super) ninths: Vec<f32>,
     tiles: Tiles,
-    /// [block][group] R, G, B
+    /// [block][tile] R, G, B
     pub(super) texels: Vec<Eight<3>>,
     /// [block]
     pub(super) norms: Vec<Norms>,
@@ -64,7 +65,7 @@ impl LightForms {
     ///
     /// # Errors
     /// None for a layout that exists; those of the transforms' plans.
-    pub fn new(layout: &BlockLayout, basis: Basis) -> Result<Self> {
+    pub fn new(layout: &BlockLayout, basis: SampleBasis) -> Result<Self> {
         let interpolation = Interpolation::new(layout.side(), basis)?;
         let (grid, len) = (layout.grid(), layout.grid().len());
         let solid_angles = grid.face_solid_angles();
@@ -82,7 +83,7 @@ impl LightForms {
             nodes: vec![[0.0; 12]; 2 * len],
             moments: vec![Lanes::default(); 2 * len],
             ninths: vec![0.0; 2 * len],
-            texels: vec![[[0.0; GROUP]; 3]; len / GROUP],
+            texels: vec![[[0.0; TILE]; 3]; len / TILE],
             norms: vec![Norms::default(); layout.blocks()],
             rows: [(); 3].map(|()| vec![0.0; layout.block_len()]),
             mean: 0.0,
@@ -144,7 +145,8 @@ impl LightForms {
     /// Sums are taken in `f64` and rounded once. Any finite light will do: see [`scale`](Self::scale).
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) for a light on another grid, [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite.
+    /// [`Error::Length`](crate::Error::Length) for a light on another grid,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a texel that is NaN or infinite.
     pub fn set(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()> {
         light.check_light_on(self.grid())?;
         let largest = light.texels().iter().map(|texel| texel.amax()).fold(0.0, f32::max);
@@ -182,11 +184,11 @@ impl LightForms {
         self.norms[block] = norms.fold(Norms::default(), Norms::larger);
     }
 
-    /// The rows in groups.
+    /// The rows in tiles.
     fn set_texels(&mut self, block: usize) {
-        let groups = self.layout.block_len() / GROUP;
-        let pixels = self.tiles.pixels().chunks_exact(GROUP);
-        for (eight, pixels) in self.texels[block * groups..][..groups].iter_mut().zip(pixels) {
+        let tiles = self.layout.block_len() / TILE;
+        let pixels = self.tiles.pixels().chunks_exact(TILE);
+        for (eight, pixels) in self.texels[block * tiles..][..tiles].iter_mut().zip(pixels) {
             for (texels, row) in eight.iter_mut().zip(&self.rows) {
                 texels.iter_mut().zip(pixels).for_each(|(texel, &pixel)| *texel = row[pixel as usize] as f32);
             }

@@ -1,8 +1,8 @@
 //! Locally adaptive products: all-frequency relighting with light, view and materials that change in every frame
 //! [Inger, Farbman & Lischinski 2013].
 //!
-//! The cube map around each vertex is cut into blocks of, say, 16² texels. Over most of them one of the three factors of
-//! light × visibility × reflectance is constant, and the triple product is no more than a dot product:
+//! The cube map around each vertex is cut into blocks of, say, 16² texels. Over most of them one of the three factors
+//! of light × visibility × reflectance is constant, and the triple product is no more than a dot product:
 //!
 //! | visibility of the block | reflectance needs | what is summed | samples |
 //! |---|---|---|---|
@@ -18,7 +18,23 @@
 //! | [`Transport`] | visibility of a static scene, baked once, saved and loaded |
 //! | [`LightForms`] | a light in the forms that the products read, a millisecond or two for a new one |
 //! | [`Relighter`] | frames |
-//! | [`Rule`], [`Basis`] | how many samples, and what lies between them |
+//! | [`Rule`], [`SampleBasis`] | how many samples, and what lies between them |
+//!
+//! # Words
+//!
+//! | word | meaning |
+//! |---|---|
+//! | texel, pixel | an element of the cube map; the same element by its row-major number in its block |
+//! | block | a square of one face, of side² texels |
+//! | path | the order in which a block's map is coded: one of two scans, whichever has fewer changes |
+//! | place | the number of a pixel along a path |
+//! | change | a place where a map goes from hidden to visible or back |
+//! | tile, slot | 4 × 2 pixels that are summed together; the number of a pixel in the order of the tiles |
+//! | course | a block together with the path that its map takes: two for each block |
+//! | group | 256 vertices whose maps of one course are taken together |
+//! | lobe | a part of a BRDF with a kernel of its own; its factor is what the kernel is multiplied with |
+//! | family | shapes of blocks (large, small, askew) that share a table of errors |
+//! | frame | one picture: a light, a view and materials |
 
 mod bounds;
 mod cases;
@@ -31,6 +47,8 @@ mod layout;
 mod light;
 mod live;
 mod lobes;
+mod model;
+mod parameters;
 mod paths;
 mod products;
 mod relighter;
@@ -45,7 +63,7 @@ mod tiles;
 mod transport;
 mod visible;
 
-pub use interpolation::Basis;
+pub use interpolation::SampleBasis;
 pub use layout::BlockLayout;
 pub use light::LightForms;
 pub use relighter::Relighter;

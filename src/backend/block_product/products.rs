@@ -5,12 +5,12 @@ use std::ops::Range;
 use super::cases::{Case, Cases};
 use super::interpolation::NODES;
 use super::light::LightForms;
-use super::samples::{Samples, Sums, reflect};
-use super::schedule::{Group, TOGETHER};
+use super::samples::{Samples, Sums, above, reflect};
+use super::schedule::{GROUP, Group};
 use super::suffix::{MomentSums, MomentTable, Table};
 use super::tables::Directions;
-use super::tiles::GROUP;
-use super::visible::{GroupBits, MOST_PLACES, Room, Visible};
+use super::tiles::TILE;
+use super::visible::{MOST_PLACES, Room, TileBits, Visible};
 use crate::scene::Kernel;
 
 /// Σ L V ω of a group of vertices.
@@ -18,8 +18,8 @@ pub(super) struct Moments<'a, V: Visible> {
     pub(super) maps: &'a V,
     pub(super) light: &'a LightForms,
     pub(super) group: Group<'a, V::Change>,
-    pub(super) wanted: &'a [bool; TOGETHER],
-    pub(super) sums: &'a mut [MomentSums; TOGETHER],
+    pub(super) wanted: &'a [bool; GROUP],
+    pub(super) sums: &'a mut [MomentSums; GROUP],
 }
 
 impl<V: Visible> pulp::WithSimd for Moments<'_, V> {
@@ -186,27 +186,27 @@ impl<const N: usize, K: Kernel<N>, V: Visible> LobeSum<'_, N, K, V> {
     #[inline(always)]
     fn pixels(&mut self, course: usize, free: bool, total: &mut [f64; 3]) {
         let (block, len) = (self.block(course), self.light.layout().block_len());
-        let (count, first) = (len / GROUP, block * len / GROUP);
-        let mut groups = GroupBits::all(count);
+        let (count, first) = (len / TILE, block * len / TILE);
+        let mut tiles = TileBits::all(count);
         if let Some(cut) = self.cut {
-            groups = cut.near(first..first + count, self.directions, cut.least[block]);
+            tiles = cut.near(first..first + count, self.directions, cut.least[block]);
         }
         if !free {
             let path = self.light.tiles().path(course != block);
-            groups = groups.and(self.maps.expand(self.first + block, path, self.room));
+            tiles = tiles.and(self.maps.expand(self.first + block, path, self.room));
         }
         let mut sums = Sums::default();
-        while let Some(group) = groups.pop() {
-            let mut values = reflect(self.kernel, self.normal, &self.directions.pixels[first + group]);
+        while let Some(tile) = tiles.pop() {
+            let mut values = reflect(self.kernel, self.normal, &self.directions.pixels[first + tile]);
             if !free {
-                let levels = self.maps.levels(self.room, group);
+                let levels = self.maps.levels(self.room, tile);
                 for values in &mut values {
-                    for lane in 0..GROUP {
+                    for lane in 0..TILE {
                         values[lane] *= levels[lane];
                     }
                 }
             }
-            let texels = &self.light.texels[first + group];
+            let texels = &self.light.texels[first + tile];
             sums.add(&values, [&texels[0], &texels[1], &texels[2]]);
         }
         add(total, sums.total());
@@ -221,13 +221,8 @@ impl<const N: usize, K: Kernel<N>> Kernel<N> for Continued<K> {
     const SMOOTH: bool = true;
 
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.continued(d, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.continued(d, z)
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; N] {
+        self.0.at(d, above(up), z)
     }
 }
 
@@ -239,34 +234,29 @@ impl<const N: usize, K: Kernel<N>> Kernel<N> for Apart<K> {
     const SMOOTH: bool = true;
 
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.apart(d, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.0.apart(d, z)
+    fn at(&self, d: [f32; 3], up: f32, _: f32) -> [f32; N] {
+        self.0.at(d, above(up), 1.0)
     }
 }
 
-/// Leaves out groups that are too far from the mirror direction to matter.
+/// Leaves out tiles that are too far from the mirror direction to matter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cut<'a> {
     pub(super) mirror: [f32; 3],
-    /// [block]: the least cosine of a group's centre.
+    /// [block]: the least cosine of a tile's centre.
     pub(super) least: &'a [f32],
 }
 
 impl Cut<'_> {
-    /// The groups that count, of some of one block.
+    /// The tiles that count, of some of one block.
     #[inline(always)]
-    fn near(self, groups: Range<usize>, directions: &Directions, least: f32) -> GroupBits {
-        let [x, y, z] = directions.groups.each_ref().map(|plane| &plane[groups.clone()]);
-        let mut near = [0_u32; MOST_PLACES / GROUP];
+    fn near(self, tiles: Range<usize>, directions: &Directions, least: f32) -> TileBits {
+        let [x, y, z] = directions.tiles.each_ref().map(|plane| &plane[tiles.clone()]);
+        let mut near = [0_u32; MOST_PLACES / TILE];
         for (((&x, &y), &z), near) in x.iter().zip(y).zip(z).zip(&mut near) {
             *near = u32::from(x * self.mirror[0] + y * self.mirror[1] + z * self.mirror[2] >= least);
         }
-        GroupBits::of(&near[..groups.len()])
+        TileBits::of(&near[..tiles.len()])
     }
 }
 

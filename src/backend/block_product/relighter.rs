@@ -15,7 +15,7 @@ use super::tables::Directions;
 use super::transport::{Maps, Transport, with_maps};
 use super::visible::GrayChange;
 use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
-use crate::compress::{BinaryMaps, GrayMaps};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps};
 use crate::error::check_length;
 use crate::scene::{Camera, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
@@ -23,10 +23,12 @@ use crate::{Error, Result, parallel};
 
 /// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
 ///
-///   radiance(v) = Σ_blocks Σ_places L V ρ cos,
+/// ```math
+/// radiance(v) = Σ_blocks Σ_places L V ρ cos,
+/// ```
 ///
-/// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with weights from
-/// suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.
+/// each block by algorithm 1 [Inger 2013]: nothing if hidden; reflectance samples times weights if free; the same with
+/// weights from suffix sums if partly hidden and one or four samples are enough; pixel by pixel otherwise.
 ///
 /// Frames do not allocate once the materials are known. The result does not depend on the number of threads.
 #[derive(Debug, Clone)]
@@ -43,10 +45,10 @@ pub struct Relighter<'a> {
 /// Maps, and the order in which a frame sums them up.
 #[derive(Debug, Clone)]
 pub(super) enum Scheduled<'a> {
-    Binary8(&'a BinaryMaps<u8>, Schedule<u8>),
-    Binary16(&'a BinaryMaps<u16>, Schedule<u16>),
-    Gray8(&'a GrayMaps<u8>, Schedule<GrayChange<u8>>),
-    Gray16(&'a GrayMaps<u16>, Schedule<GrayChange<u16>>),
+    Binary8(&'a CodedBinaryMaps<u8>, Schedule<u8>),
+    Binary16(&'a CodedBinaryMaps<u16>, Schedule<u16>),
+    Gray8(&'a CodedGrayMaps<u8>, Schedule<GrayChange<u8>>),
+    Gray16(&'a CodedGrayMaps<u16>, Schedule<GrayChange<u16>>),
 }
 
 /// Runs `$body` with `$maps` and `$schedule` bound to those that there are.
@@ -77,8 +79,8 @@ impl<'a> Relighter<'a> {
     /// A relighter without light.
     ///
     /// # Errors
-    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance that is
-    /// negative or not finite.
+    /// [`Error::Length`] if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`] for a
+    /// tolerance that is negative or not finite.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings) -> Result<Self> {
         check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
         if let Rule::Bounded { tolerance } = settings.rule {
@@ -125,8 +127,8 @@ impl<'a> Relighter<'a> {
         Ok(())
     }
 
-    /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the order of
-    /// frames.
+    /// Bytes in memory that grow with the number of vertices, beside the transport's: its visibility once more, in the
+    /// order of frames.
     pub fn bytes(&self) -> usize {
         self.inputs.live.bytes() + with_scheduled!(&self.scheduled, _maps, schedule => schedule.bytes())
     }
@@ -143,8 +145,9 @@ impl<'a> Relighter<'a> {
     /// exponent or isotropic lobe about the half vector, some hundreds for an anisotropic one or a closure.
     ///
     /// # Errors
-    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that was asked for, over
-    /// the hemisphere or for a pixel, is NaN or infinite (the index is the BRDF's); `out` is not a frame then.
+    /// [`Error::Length`] if the materials do not fit the mesh, [`Error::NotFinite`] for a BRDF of which a value that
+    /// was asked for, over the hemisphere or for a pixel, is NaN or infinite (the index is the BRDF's); `out` is not a
+    /// frame then.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -154,8 +157,8 @@ impl<'a> Relighter<'a> {
         self.frame(view, materials, out)
     }
 
-    /// As [`relight`](Self::relight), but only for the vertices of faces that turn their front to the camera and may be in a picture of
-    /// the given aspect ratio (width/height). The others are black.
+    /// As [`relight`](Self::relight), but only for the vertices of faces that turn their front to the camera and may be
+    /// in a picture of the given aspect ratio (width/height). The others are black.
     ///
     /// # Errors
     /// As [`relight`](Self::relight), and [`Error::OutOfRange`] unless `aspect` is positive and finite.

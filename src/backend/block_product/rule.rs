@@ -6,16 +6,16 @@ use crate::{Error, Result};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Rule {
-    /// The fewest whose error, as measured for the lobe and weighed with the block's light, is at most `tolerance` × the mean
-    /// radiance of the light, divided by the square root of half the number of blocks; cosines exactly.
+    /// The fewest whose error, as measured for the lobe and weighed with the block's light, is at most `tolerance` ×
+    /// the mean radiance of the light, divided by the square root of half the number of blocks; cosines exactly.
     ///
     /// 0 takes every pixel of a lobe: the sum over all texels, to rounding. See [`Rule::bounded`].
     Bounded {
         /// Error of a vertex's radiance in units of the light's mean radiance, if the errors of blocks are independent.
         tolerance: f64,
     },
-    /// The fixed rule of appendix A [Inger 2013] by the angle between a block's centre and the mirror direction, whatever the light;
-    /// one sample for cosines.
+    /// The fixed rule of appendix A [Inger 2013] by the angle between a block's centre and the mirror direction,
+    /// whatever the light; one sample for cosines.
     ///
     /// Lobes other than Phong's go by the Phong exponent of the same width.
     Fixed {
@@ -29,8 +29,8 @@ pub enum Rule {
 /// To what of a block [`Rule::Fixed`] takes the angle from the mirror direction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BlockAngle {
-    /// Its centre, as printed: a block just outside π/8 counts as smooth although it may hold .87 of the peak of a lobe of
-    /// exponent 100.
+    /// Its centre, as printed: a block just outside π/8 counts as smooth although it may hold .87 of the peak of a lobe
+    /// of exponent 100.
     Centre,
     /// Its nearest point: the angle to the centre, less the block's radius.
     Nearest,
@@ -60,16 +60,39 @@ impl Default for Rule {
     }
 }
 
-/// Samples of a block: none, 1, 4, 16 or all its pixels.
-pub(super) const PIXELS: u8 = 4;
+/// How many samples of reflectance a block gets, in ascending order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct SampleClass(u8);
 
-/// The classes within π/8 of the mirror direction, within π/4, and beyond [Inger 2013, appendix A]; exponents 30 and 250, of which
-/// the print says nothing, go to the finer side.
-pub(super) fn fixed(exponent: Option<f64>) -> [u8; 3] {
+impl SampleClass {
+    pub(super) const NONE: Self = Self(0);
+    pub(super) const ONE: Self = Self(1);
+    pub(super) const FOUR: Self = Self(2);
+    pub(super) const SIXTEEN: Self = Self(3);
+    /// One for every pixel.
+    pub(super) const PIXELS: Self = Self(4);
+
+    /// The class after so many others, at most 7 of them.
+    #[inline(always)]
+    pub(super) fn after(others: u32) -> Self {
+        Self(others as u8)
+    }
+
+    /// The number of classes before this one.
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        usize::from(self.0)
+    }
+}
+
+/// The classes within π/8 of the mirror direction, within π/4, and beyond [Inger 2013, appendix A]; exponents 30 and
+/// 250, of which the print says nothing, go to the finer side.
+pub(super) fn fixed(exponent: Option<f64>) -> [SampleClass; 3] {
+    const ONE: SampleClass = SampleClass::ONE;
     match exponent {
-        None => [1, 1, 1],
-        Some(s) if s < 30.0 => [2, 2, 1],
-        Some(s) if s < 250.0 => [3, 2, 1],
-        Some(_) => [PIXELS, 2, 1],
+        None => [ONE; 3],
+        Some(s) if s < 30.0 => [SampleClass::FOUR, SampleClass::FOUR, ONE],
+        Some(s) if s < 250.0 => [SampleClass::SIXTEEN, SampleClass::FOUR, ONE],
+        Some(_) => [SampleClass::PIXELS, SampleClass::FOUR, ONE],
     }
 }

@@ -1,6 +1,6 @@
 //! Sums of reflectance × weights over directions.
 
-use super::tiles::{Eight, GROUP};
+use super::tiles::{Eight, TILE};
 use crate::scene::Kernel;
 
 /// Directions and RGB weights, structure of arrays.
@@ -17,7 +17,7 @@ const CAPACITY: usize = 1024;
 impl Samples {
     pub(super) fn new() -> Self {
         // Directions of lanes past the end are summed with weight 0: any finite numbers do.
-        Self { planes: [(); 6].map(|()| vec![0.0; CAPACITY + GROUP]), len: 0 }
+        Self { planes: [(); 6].map(|()| vec![0.0; CAPACITY + TILE]), len: 0 }
     }
 
     /// Whether `more` samples fit; if not, sum up first.
@@ -35,19 +35,20 @@ impl Samples {
         self.len += N;
     }
 
-    /// Σ reflectance × weights of the list, which is empty then: eight running sums in `f32` of at most 128 terms each, then `f64`.
+    /// Σ reflectance × weights of the list, which is empty then: eight running sums in `f32` of at most 128 terms each,
+    /// then `f64`.
     #[inline(always)]
     pub(super) fn drain<const N: usize, K: Kernel<N>>(&mut self, kernel: K, normal: [f32; 3]) -> [f64; 3] {
-        let len = self.len.next_multiple_of(GROUP);
+        let len = self.len.next_multiple_of(TILE);
         for plane in &mut self.planes[3..] {
             plane[self.len..len].fill(0.0);
         }
         self.len = 0;
         let mut sums = Sums::default();
-        let eight = |plane: usize, at: usize| -> &[f32; GROUP] {
+        let eight = |plane: usize, at: usize| -> &[f32; TILE] {
             self.planes[plane][at..].first_chunk().expect("planes are longer than any list")
         };
-        for at in (0..len).step_by(GROUP) {
+        for at in (0..len).step_by(TILE) {
             let values = reflect(kernel, normal, &[*eight(0, at), *eight(1, at), *eight(2, at)]);
             sums.add(&values, [eight(3, at), eight(4, at), eight(5, at)]);
         }
@@ -58,17 +59,17 @@ impl Samples {
 /// Eight running sums of each channel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Sums {
-    r: [f32; GROUP],
-    g: [f32; GROUP],
-    b: [f32; GROUP],
+    r: [f32; TILE],
+    g: [f32; TILE],
+    b: [f32; TILE],
 }
 
 impl Sums {
     /// Adds values × weights, one plane of values for all channels or one each.
     #[inline(always)]
-    pub(super) fn add<const N: usize>(&mut self, values: &Eight<N>, weights: [&[f32; GROUP]; 3]) {
-        let add = |sum: &mut [f32; GROUP], a: &[f32; GROUP], b: &[f32; GROUP]| {
-            for lane in 0..GROUP {
+    pub(super) fn add<const N: usize>(&mut self, values: &Eight<N>, weights: [&[f32; TILE]; 3]) {
+        let add = |sum: &mut [f32; TILE], a: &[f32; TILE], b: &[f32; TILE]| {
+            for lane in 0..TILE {
                 sum[lane] += a[lane] * b[lane];
             }
         };
@@ -84,14 +85,20 @@ impl Sums {
     }
 }
 
+/// z, or 0 below the horizon: one instruction, as NaN does not matter.
+#[inline(always)]
+pub(super) fn above(z: f32) -> f32 {
+    if z > 0.0 { z } else { 0.0 }
+}
+
 /// Reflectance × cosine of eight directions; 0 below the horizon unless it goes on smoothly.
 #[inline(always)]
 pub(super) fn reflect<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3], [x, y, z]: &Eight<3>) -> Eight<N> {
-    let mut values = [[0.0_f32; GROUP]; N];
-    for lane in 0..GROUP {
+    let mut values = [[0.0_f32; TILE]; N];
+    for lane in 0..TILE {
         let d = [x[lane], y[lane], z[lane]];
         let cosine = normal[0] * d[0] + normal[1] * d[1] + normal[2] * d[2];
-        let value = kernel.value(d, cosine);
+        let value = kernel.at(d, cosine, cosine);
         for c in 0..N {
             values[c][lane] = if K::SMOOTH || cosine > 0.0 { value[c] } else { 0.0 };
         }

@@ -5,7 +5,7 @@ use super::visible::Visible;
 use crate::parallel;
 
 /// Vertices whose cosine sums are taken together: their number in a group is a byte.
-pub(super) const TOGETHER: usize = 256;
+pub(super) const GROUP: usize = 256;
 
 /// Maps of as many changes each, one after the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,8 +18,9 @@ pub(super) struct Batch {
 /// The changes of all maps that are not hidden, in the order in which a frame reads them:
 /// [group of vertices][course][number of changes][map].
 ///
-/// All of a group's vertices look up a course before the next one comes, so that its table is read from the first cache; and
-/// maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended before.
+/// All of a group's vertices look up a course before the next one comes, so that its table is read from the first
+/// cache; and maps of as many changes follow each other, because a processor guesses when a loop ends by when it ended
+/// before.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Schedule<C> {
     courses: usize,
@@ -36,13 +37,13 @@ pub(super) struct Schedule<C> {
 impl<C: Copy + Send + Sync> Schedule<C> {
     /// Of maps [vertex][block].
     pub(super) fn new<V: Visible<Change = C>>(maps: &V, paths: &Paths, vertices: usize, blocks: usize) -> Self {
-        let groups = vertices.div_ceil(TOGETHER);
+        let groups = vertices.div_ceil(GROUP);
         let group = |group: usize| {
             let mut part = Self::empty(2 * blocks);
-            let first = group * TOGETHER;
+            let first = group * GROUP;
             for course in 0..2 * blocks {
                 let (path, block) = (course / blocks, course % blocks);
-                let here = (first..vertices.min(first + TOGETHER)).filter(|&v| paths.of(v, block, blocks) == path);
+                let here = (first..vertices.min(first + GROUP)).filter(|&v| paths.of(v, block, blocks) == path);
                 part.push(maps, here.map(|vertex| ((vertex - first) as u8, vertex * blocks + block)));
             }
             part
@@ -142,11 +143,12 @@ fn take<'a, T>(from: &mut &'a [T], count: usize) -> &'a [T] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::compress::BinaryMaps;
+    use crate::compress::CodedBinaryMaps;
 
-    /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with its first half.
-    fn maps(vertices: usize) -> (BinaryMaps<u8>, Paths) {
-        let (mut maps, mut paths) = (BinaryMaps::new(64).unwrap(), Paths::default());
+    /// Maps of two blocks: vertex v sees v mod 5 single pixels of the first; the second is hidden, free, or ends with
+    /// its first half.
+    fn maps(vertices: usize) -> (CodedBinaryMaps<u8>, Paths) {
+        let (mut maps, mut paths) = (CodedBinaryMaps::new(64).unwrap(), Paths::default());
         for v in 0..vertices {
             paths.push_vertex(2);
             if v % 3 == 0 {
@@ -164,7 +166,7 @@ mod tests {
             let (maps, paths) = maps(vertices);
             let schedule = Schedule::new(&maps, &paths, vertices, 2);
             let mut seen = vec![[0; 2]; vertices];
-            for number in 0..vertices.div_ceil(TOGETHER) {
+            for number in 0..vertices.div_ceil(GROUP) {
                 let mut group = schedule.group(number);
                 for course in 0..4 {
                     let (path, block) = (course / 2, course % 2);
@@ -176,7 +178,7 @@ mod tests {
                         let (members, changes) = group.next_maps(batch);
                         assert_eq!(changes.len(), members.len() * count);
                         for (&member, changes) in members.iter().zip(changes.chunks_exact(count)) {
-                            let vertex = number * TOGETHER + usize::from(member);
+                            let vertex = number * GROUP + usize::from(member);
                             assert_eq!(changes, maps.map(vertex * 2 + block).changes());
                             assert_eq!(path, paths.of(vertex, block, 2));
                             seen[vertex][block] += 1;

@@ -1,6 +1,6 @@
 //! What a user chooses.
 
-use super::interpolation::Basis;
+use super::interpolation::SampleBasis;
 use super::rule::Rule;
 
 /// How a [`Relighter`](super::Relighter) integrates.
@@ -9,5 +9,5 @@ pub struct Settings {
     /// What chooses the number of samples of a block.
     pub rule: Rule,
     /// What lies between samples.
-    pub basis: Basis,
+    pub basis: SampleBasis,
 }

@@ -5,24 +5,24 @@ use nalgebra::Vector3;
 use super::interpolation::Interpolation;
 use super::interpolation::NODES;
 use super::layout::BlockLayout;
-use super::tiles::{Eight, GROUP, Tiles};
+use super::tiles::{Eight, TILE, Tiles};
 
 /// The largest angles between a centre and what lies around it, in radians.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Radii {
-    pub(super) group: f64,
+    pub(super) tile: f64,
     pub(super) pixel: f64,
 }
 
 /// Directions that do not change with light, view or materials.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// [block][group] x, y, z
+    /// [block][tile] x, y, z
     pub(super) pixels: Vec<Eight<3>>,
     /// [block][node of 1, 4, 16]
     pub(super) nodes: [Vec<f32>; 3],
-    /// [block][group], the middle
-    pub(super) groups: [Vec<f32>; 3],
+    /// [block][tile], the middle
+    pub(super) tiles: [Vec<f32>; 3],
     pub(super) radii: Radii,
     /// [block]
     pub(super) centres: [Vec<f32>; 3],
@@ -36,9 +36,9 @@ impl Directions {
         let mut all = Self {
             pixels: Default::default(),
             nodes: Default::default(),
-            groups: Default::default(),
+            tiles: Default::default(),
             // Half a diagonal in the middle of a face.
-            radii: Radii { group: 0.0, pixel: std::f64::consts::SQRT_2 / layout.grid().side() as f64 },
+            radii: Radii { tile: 0.0, pixel: std::f64::consts::SQRT_2 / layout.grid().side() as f64 },
             centres: Default::default(),
             limits: Default::default(),
         };
@@ -46,17 +46,17 @@ impl Directions {
             planes.iter_mut().zip(d.iter()).for_each(|(plane, &c)| plane.push(c as f32));
         };
         for block in 0..layout.blocks() {
-            for pixels in tiles.pixels().chunks_exact(GROUP) {
+            for pixels in tiles.pixels().chunks_exact(TILE) {
                 let texels = pixels.iter().map(|&pixel| layout.texel(block, pixel as usize));
                 let places = texels.map(|texel| layout.grid().direction(texel).into_inner());
                 let centre = places.clone().sum::<Vector3<f64>>().normalize();
-                push(&mut all.groups, centre);
-                let mut eight = [[0.0; GROUP]; 3];
+                push(&mut all.tiles, centre);
+                let mut eight = [[0.0; TILE]; 3];
                 for (lane, d) in places.clone().enumerate() {
                     eight.iter_mut().zip(d.iter()).for_each(|(axis, &c)| axis[lane] = c as f32);
                 }
                 all.pixels.push(eight);
-                all.radii.group = places.map(|d| d.angle(&centre)).fold(all.radii.group, f64::max);
+                all.radii.tile = places.map(|d| d.angle(&centre)).fold(all.radii.tile, f64::max);
             }
             for node in interpolation.levels().iter().flat_map(|level| &level.nodes) {
                 push(&mut all.nodes, layout.direction(block, node[0], node[1]));

@@ -3,12 +3,12 @@
 use super::layout::BlockLayout;
 
 /// Places that are taken or left together.
-pub(super) const GROUP: usize = 8;
+pub(super) const TILE: usize = 8;
 
-/// N numbers of each place of a group.
-pub(super) type Eight<const N: usize> = [[f32; GROUP]; N];
+/// N numbers of each pixel of a tile.
+pub(super) type Eight<const N: usize> = [[f32; TILE]; N];
 
-/// Pixels of a block in groups of 4 × 2, which lie closer together than eight on end of a path.
+/// Pixels of a block in tiles of 4 × 2, which lie closer together than eight on end of a path.
 ///
 /// The *slot* of a pixel is its number in that order.
 #[derive(Debug, Clone)]
@@ -23,7 +23,8 @@ pub(super) struct Tiles {
 pub(super) struct TilePath {
     /// The slot of each place.
     pub(super) slots: Vec<u32>,
-    /// [place][word]: a bit for the slot of each place from there on. A binary map is the exclusive or of those where it changes.
+    /// [place][word]: a bit for the slot of each place from there on. A binary map is the exclusive or of those where
+    /// it changes.
     pub(super) suffixes: Vec<u64>,
 }
 
@@ -32,7 +33,7 @@ impl Tiles {
         let (side, len) = (layout.side(), layout.block_len());
         let pixels: Vec<u32> = (0..len)
             .map(|slot| {
-                let (tile, x, y) = (slot / GROUP, slot % 4, slot % GROUP / 4);
+                let (tile, x, y) = (slot / TILE, slot % 4, slot % TILE / 4);
                 let (across, down) = (tile % (side / 4), tile / (side / 4));
                 ((2 * down + y) * side + 4 * across + x) as u32
             })

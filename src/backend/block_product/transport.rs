@@ -6,7 +6,7 @@ use super::coding::{BitCutter, Coded, GrayCutter, Pathed, count_samples};
 use super::layout::BlockLayout;
 use super::paths::Paths;
 use crate::backend::distant::check_vertices;
-use crate::compress::{BinaryMaps, GrayMaps, RunStats};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps, RunStats};
 use crate::parallel::Watch;
 use crate::scene::{BinaryVisibility, FractionalVisibility, Mesh, VisibilityBaker};
 use crate::sphere::{CubeGrid, Face};
@@ -15,10 +15,10 @@ use crate::{Error, Progress, Result, parallel};
 /// The visibility around every vertex of a static scene: for each block of the cube map the places where it changes
 /// [Inger 2013, §4.2]. Lossless for binary maps.
 ///
-/// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two for
-/// blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its changes end
-/// and a bit for its path, that of the layout's two along which it changes less often.
-/// It knows neither light, nor view, nor materials.
+/// A block that is hidden has no change, one that is free a single one at place 0; in others a change takes a byte (two
+/// for blocks of 32², and one more for its level in maps of several levels), and every block four bytes for where its
+/// changes end and a bit for its path, that of the layout's two along which it changes less often. It knows neither
+/// light, nor view, nor materials.
 ///
 /// # Example
 /// ```
@@ -43,10 +43,10 @@ pub struct Transport {
 /// Coded maps, [vertex][block].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Maps {
-    Binary8(BinaryMaps<u8>),
-    Binary16(BinaryMaps<u16>),
-    Gray8(GrayMaps<u8>),
-    Gray16(GrayMaps<u16>),
+    Binary8(CodedBinaryMaps<u8>),
+    Binary16(CodedBinaryMaps<u16>),
+    Gray8(CodedGrayMaps<u8>),
+    Gray16(CodedGrayMaps<u16>),
 }
 
 /// Runs `$body` with `$maps` bound to whichever maps there are.
@@ -85,19 +85,19 @@ impl Transport {
         check_grid("side of the baker's cube map", baker.grid(), layout.grid())?;
         let scratch = || (BitCutter::new(layout), baker.scratch(), vec![0; baker.words_per_vertex()]);
         binary(layout, baker.vertices(), progress, scratch, |vertex, (cutter, rays, words)| {
-            baker.bake_vertex_with_scratch(vertex, words, rays);
+            baker.bake_vertex(vertex, words, rays);
             (cutter, words)
         })
     }
 
-    /// Traces `samples`² rays a texel, quantises the share that is free to `bits` and codes it: shadows without steps under
-    /// small bright lights.
+    /// Traces `samples`² rays a texel, quantises the share that is free to `bits` and codes it: shadows without steps
+    /// under small bright lights.
     ///
     /// `mesh` is the baker's. `progress` counts vertices.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15 and
-    /// 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    /// [`Error::Cancelled`]; [`Error::OutOfRange`] if the baker's grid is not the layout's, unless 1 ≤ `samples` ≤ 15
+    /// and 2 ≤ `bits` ≤ 8, and beyond 2³² changes; [`Error::Length`] for another mesh.
     pub fn bake_gray(
         mesh: &Mesh,
         baker: &VisibilityBaker,
@@ -115,7 +115,7 @@ impl Transport {
         let fine = baker.with_grid(CubeGrid::new(side * samples)?);
         let scratch = || (fine.scratch(), vec![0; fine.words_per_vertex()], vec![0; layout.grid().len()]);
         gray(layout, mesh, (samples, bits), progress, scratch, |vertex, (rays, words, counts)| {
-            fine.bake_vertex_with_scratch(vertex, words, rays);
+            fine.bake_vertex(vertex, words, rays);
             let faces = words.chunks_exact(words.len() / 6).zip(counts.chunks_exact_mut(side * side));
             faces.for_each(|(words, counts)| count_samples(words, side, samples, counts));
             counts
@@ -128,7 +128,8 @@ impl Transport {
     /// [`VisibilityBaker`] has made, none is.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another mesh.
+    /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes; [`Error::Length`] for another
+    /// mesh.
     pub fn from_binary(mesh: &Mesh, visibility: &BinaryVisibility, layout: &BlockLayout) -> Result<Self> {
         check_grid("side of the visibility's cube map", visibility.grid(), layout.grid())?;
         check_vertices("visibility maps", mesh.positions().len(), visibility.vertices())?;
@@ -142,10 +143,11 @@ impl Transport {
         })
     }
 
-    /// As [`from_binary`](Self::from_binary) of maps that end at the horizon of their vertex's normal already, as those of
-    /// [`VisibilityBaker`] do: they are coded as they are.
+    /// As [`from_binary`](Self::from_binary) of maps that end at the horizon of their vertex's normal already, as those
+    /// of [`VisibilityBaker`] do: they are coded as they are.
     ///
-    /// What is visible below the horizon all the same takes light away, because cosines go on there: a relit vertex gets black.
+    /// What is visible below the horizon all the same takes light away, because cosines go on there: a relit vertex
+    /// gets black.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if its grid is not the layout's, and beyond 2³² changes.
@@ -288,13 +290,13 @@ fn binary<S: Send>(
 ) -> Result<Transport> {
     let len = layout.block_len();
     let (maps, paths) = if len <= 256 {
-        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u8>>| {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<CodedBinaryMaps<u8>>| {
             let (cutter, words) = words(vertex, s);
             cutter.code(words, to);
         })?;
         (Maps::Binary8(all.maps), all.paths)
     } else {
-        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<BinaryMaps<u16>>| {
+        let all = code(vertices, (len, 1), progress, &scratch, |vertex, s, to: &mut Pathed<CodedBinaryMaps<u16>>| {
             let (cutter, words) = words(vertex, s);
             cutter.code(words, to);
         })?;
@@ -322,13 +324,13 @@ fn gray<S: Send>(
     let (len, top, normals) = (layout.block_len(), ((1_u32 << bits) - 1) as u8, mesh.normals());
     let scratch = || (GrayCutter::new(layout, samples, top), scratch());
     let (maps, paths) = if len <= 256 {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u8>>| {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<CodedGrayMaps<u8>>| {
             cutter.code(counts(vertex, s), &normals[vertex], to);
         };
         let all = code(normals.len(), (len, top), progress, &scratch, one)?;
         (Maps::Gray8(all.maps), all.paths)
     } else {
-        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<GrayMaps<u16>>| {
+        let one = |vertex: usize, (cutter, s): &mut (GrayCutter, S), to: &mut Pathed<CodedGrayMaps<u16>>| {
             cutter.code(counts(vertex, s), &normals[vertex], to);
         };
         let all = code(normals.len(), (len, top), progress, &scratch, one)?;

@@ -1,17 +1,17 @@
 //! What the products read of coded maps.
 
 use super::suffix::{Lanes, MomentSums, MomentTable, NodeSums, Table};
-use super::tiles::{GROUP, TilePath};
-use crate::compress::{BinaryMaps, GrayMaps, MapIndex, MapState};
+use super::tiles::{TILE, TilePath};
+use crate::compress::{CodedBinaryMaps, CodedGrayMaps, MapIndex, MapState};
 
 /// Places of the largest block.
 pub(super) const MOST_PLACES: usize = 32 * 32;
 
-/// A bit for each group of a block.
+/// A bit for each tile of a block.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct GroupBits(u128);
+pub(super) struct TileBits(u128);
 
-impl GroupBits {
+impl TileBits {
     /// The first `count`.
     #[inline(always)]
     pub(super) fn all(count: usize) -> Self {
@@ -43,8 +43,8 @@ impl GroupBits {
     }
 
     #[inline(always)]
-    pub(super) fn set(&mut self, group: usize) {
-        self.0 |= 1 << group;
+    pub(super) fn set(&mut self, tile: usize) {
+        self.0 |= 1 << tile;
     }
 
     #[inline(always)]
@@ -65,12 +65,12 @@ impl GroupBits {
 }
 
 /// The bits of a byte as numbers.
-static LANES_OF: [[f32; GROUP]; 256] = {
-    let mut lanes = [[0.0; GROUP]; 256];
+static LANES_OF: [[f32; TILE]; 256] = {
+    let mut lanes = [[0.0; TILE]; 256];
     let mut byte = 0;
     while byte < 256 {
         let mut bit = 0;
-        while bit < GROUP {
+        while bit < TILE {
             lanes[byte][bit] = (byte >> bit & 1) as f32;
             bit += 1;
         }
@@ -85,12 +85,12 @@ pub(super) struct Room {
     /// Slots of a block / 64.
     words: usize,
     bits: [u64; MOST_PLACES / 64],
-    levels: Vec<[f32; GROUP]>,
+    levels: Vec<[f32; TILE]>,
 }
 
 impl Room {
     pub(super) fn new(block_len: usize) -> Self {
-        Self { words: block_len / 64, bits: [0; MOST_PLACES / 64], levels: vec![[0.0; GROUP]; block_len / GROUP] }
+        Self { words: block_len / 64, bits: [0; MOST_PLACES / 64], levels: vec![[0.0; TILE]; block_len / TILE] }
     }
 }
 
@@ -110,13 +110,13 @@ pub(super) trait Visible: Sync {
     fn sum(&self, map: usize, sums: &[NodeSums]) -> NodeSums;
     /// The same from suffix sums of L ω.
     fn moments(&self, map: usize, sums: MomentTable<'_, [Lanes], [f32]>) -> MomentSums;
-    /// Puts the visibility of every slot into `room`; returns the groups where some is visible.
-    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits;
-    /// The visibility of a group of the map that was expanded last.
-    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP];
+    /// Puts the visibility of every slot into `room`; returns the tiles where some is visible.
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> TileBits;
+    /// The visibility of a tile of the map that was expanded last.
+    fn levels<'r>(&self, room: &'r Room, tile: usize) -> &'r [f32; TILE];
 }
 
-impl<I: MapIndex> Visible for BinaryMaps<I> {
+impl<I: MapIndex> Visible for CodedBinaryMaps<I> {
     type Change = I;
 
     #[inline(always)]
@@ -166,7 +166,7 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits {
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> TileBits {
         let changes = self.map(map).changes();
         if room.words == 4 {
             // 16² places: as many bits as a register holds.
@@ -185,12 +185,12 @@ impl<I: MapIndex> Visible for BinaryMaps<I> {
                 room.bits.iter_mut().zip(row).for_each(|(bits, row)| *bits ^= row);
             }
         }
-        GroupBits::of_bytes(&room.bits[..room.words])
+        TileBits::of_bytes(&room.bits[..room.words])
     }
 
     #[inline(always)]
-    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP] {
-        &LANES_OF[usize::from((room.bits[group / 8] >> (group % 8 * 8)) as u8)]
+    fn levels<'r>(&self, room: &'r Room, tile: usize) -> &'r [f32; TILE] {
+        &LANES_OF[usize::from((room.bits[tile / 8] >> (tile % 8 * 8)) as u8)]
     }
 }
 
@@ -201,7 +201,7 @@ pub(super) struct GrayChange<I> {
     difference: i16,
 }
 
-impl<I: MapIndex> Visible for GrayMaps<I> {
+impl<I: MapIndex> Visible for CodedGrayMaps<I> {
     type Change = GrayChange<I>;
 
     #[inline(always)]
@@ -255,26 +255,26 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
     }
 
     #[inline(always)]
-    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> GroupBits {
-        room.levels.fill([0.0; GROUP]);
+    fn expand(&self, map: usize, path: &TilePath, room: &mut Room) -> TileBits {
+        room.levels.fill([0.0; TILE]);
         let (map, slots) = (self.map(map), room.levels.as_flattened_mut());
         let top = f64::from(map.top());
         for (span, level) in map.spans() {
             let level = (f64::from(level) / top) as f32;
             path.slots[span].iter().for_each(|&slot| slots[slot as usize] = level);
         }
-        let mut groups = GroupBits::default();
+        let mut tiles = TileBits::default();
         for (g, levels) in room.levels.iter().enumerate() {
-            if *levels != [0.0; GROUP] {
-                groups.set(g);
+            if *levels != [0.0; TILE] {
+                tiles.set(g);
             }
         }
-        groups
+        tiles
     }
 
     #[inline(always)]
-    fn levels<'r>(&self, room: &'r Room, group: usize) -> &'r [f32; GROUP] {
-        &room.levels[group]
+    fn levels<'r>(&self, room: &'r Room, tile: usize) -> &'r [f32; TILE] {
+        &room.levels[tile]
     }
 }
 
@@ -282,7 +282,7 @@ impl<I: MapIndex> Visible for GrayMaps<I> {
 mod tests {
     use super::*;
 
-    fn taken(mut bits: GroupBits) -> Vec<usize> {
+    fn taken(mut bits: TileBits) -> Vec<usize> {
         std::iter::from_fn(|| bits.pop()).collect()
     }
 
@@ -291,12 +291,12 @@ mod tests {
         let words = [0x0100_0000_ff00_0080_u64, 0, !0, 0x0000_8000_0000_0001];
         let bytes = words.iter().flat_map(|word| word.to_le_bytes());
         let expected: Vec<usize> = bytes.enumerate().filter(|&(_, byte)| byte != 0).map(|(k, _)| k).collect();
-        assert_eq!(taken(GroupBits::of_bytes(&words)), expected);
+        assert_eq!(taken(TileBits::of_bytes(&words)), expected);
         let mut entries = [0; 32];
         expected.iter().for_each(|&k| entries[k] = 1);
-        assert_eq!(taken(GroupBits::of(&entries)), expected);
-        // The largest block has 128 groups.
-        assert_eq!(taken(GroupBits::of_bytes(&[!0; 16])), (0..128).collect::<Vec<_>>());
-        assert_eq!(taken(GroupBits::of(&[1; 128]).and(GroupBits::all(8))), (0..8).collect::<Vec<_>>());
+        assert_eq!(taken(TileBits::of(&entries)), expected);
+        // The largest block has 128 tiles.
+        assert_eq!(taken(TileBits::of_bytes(&[!0; 16])), (0..128).collect::<Vec<_>>());
+        assert_eq!(taken(TileBits::of(&[1; 128]).and(TileBits::all(8))), (0..8).collect::<Vec<_>>());
     }
 }

@@ -58,11 +58,12 @@ pub trait DistantRelighter: Send {
     /// What may change from frame to frame.
     fn freedom(&self) -> Freedom;
 
-    /// Sets the light: radiance on the method's grid. Any finite light will do. One that is refused leaves the one before.
+    /// Sets the light: radiance on the method's grid. Any finite light will do. One that is refused leaves the one
+    /// before.
     ///
     /// # Errors
-    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite, and what the choice of the
-    /// light's terms refuses.
+    /// [`Error::Length`] for a light on another grid, [`Error::NotFinite`] for a texel that is NaN or infinite, and
+    /// what the choice of the light's terms refuses.
     fn set_light(&mut self, light: &CubeMap<Vector3<f32>>) -> Result<()>;
 
     /// The radiance that each vertex sends to the viewer; finite, at most [`f32::MAX`] in magnitude.
@@ -70,8 +71,9 @@ pub trait DistantRelighter: Send {
     /// A method of [`Freedom::Light`] gives that of the materials that were baked, whatever materials are asked for.
     ///
     /// # Errors
-    /// [`Error::Length`] unless there is a material for each vertex; [`Error::NotFinite`] for a BRDF that gives NaN or infinity (the index
-    /// is the BRDF's), and `out` is no frame then; [`Error::Baked`] for a view other than the baked one, if radiance depends on it.
+    /// [`Error::Length`] unless there is a material for each vertex; [`Error::NotFinite`] for a BRDF that gives NaN or
+    /// infinity (the index is the BRDF's), and `out` is no frame then; [`Error::Baked`] for a view other than the baked
+    /// one, if radiance depends on it.
     ///
     /// # Panics
     /// Unless `out` has a value for each vertex.

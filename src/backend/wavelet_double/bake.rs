@@ -32,7 +32,7 @@ impl Baker<'_> {
             let brdf = self.materials.brdf(v);
             let planes = brdf.planes();
             let samples = &mut samples[..planes * n];
-            let frame = self.mesh.frame(v);
+            let frame = self.mesh.local_frame(v);
             let wo = self.view.outgoing(brdf, &self.mesh.positions()[v], &frame);
             brdf.sample_cos(&frame, &wo, &self.directions, samples);
             if !samples.iter().all(|x| x.is_finite()) {
@@ -96,8 +96,8 @@ impl Baker<'_> {
 
 /// A threshold below which the coefficients hold at most `tolerance`² of the energy Σ x².
 ///
-/// The energy is binned by the top bits of the magnitude (8 bins an octave), so that no sorting is needed; the threshold is the
-/// lower edge of the first bin that would exceed the budget.
+/// The energy is binned by the top bits of the magnitude (8 bins an octave), so that no sorting is needed; the
+/// threshold is the lower edge of the first bin that would exceed the budget.
 fn energy_threshold(coefs: &[f32], tolerance: f32) -> f32 {
     const SHIFT: u32 = 20;
     let mut bins = vec![0.0f64; 1 << (31 - SHIFT)];

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-/// Vertices of one block of the transport matrix. A block's columns are contiguous, so that a light term reads one run of
-/// memory a block: fewer vertices make the runs short, more make the accumulators leave the first-level cache.
+/// Vertices of one block of the transport matrix. A block's columns are contiguous, so that a light term reads one run
+/// of memory a block: fewer vertices make the runs short, more make the accumulators leave the first-level cache.
 pub(super) const BLOCK: usize = 256;
 
 /// The rows of some vertices, by column. A vertex has one row if its material has a colour, three otherwise.
@@ -62,8 +62,8 @@ impl Block {
             + self.values.bytes()
     }
 
-    /// What is wrong with a block of so many vertices and columns that comes from a file; nothing if every index stays inside of
-    /// what it points into and every number is finite.
+    /// What is wrong with a block of so many vertices and columns that comes from a file; nothing if every index stays
+    /// inside of what it points into and every number is finite.
     pub(super) fn fault(&self, vertices: usize, columns: usize) -> Option<&'static str> {
         let is_finite = |values: &Values| match values {
             Values::Full(values) => values.iter().all(|x| x.is_finite()),
@@ -85,8 +85,8 @@ impl Block {
         checks.iter().find(|(holds, _)| !holds).map(|(_, fault)| *fault)
     }
 
-    /// Adds the radiance of the block's vertices to `out`, which is 0, using `sums` (one a row) as scratch. What is beyond the largest
-    /// `f32` is that.
+    /// Adds the radiance of the block's vertices to `out`, which is 0, using `sums` (one a row) as scratch. What is
+    /// beyond the largest `f32` is that.
     pub(super) fn add_radiance(&self, light: &[(u32, [f32; 4])], sums: &mut Vec<[f32; 4]>, out: &mut [Vector3<f32>]) {
         sums.clear();
         sums.resize(self.vertex.len(), [0.0; 4]);
@@ -99,8 +99,8 @@ impl Block {
         }
     }
 
-    /// As [`add_radiance`](Self::add_radiance), where sums leave the range of `f32` on the way: by numbers that no measured reflectance
-    /// has.
+    /// As [`add_radiance`](Self::add_radiance), where sums leave the range of `f32` on the way: by numbers that no
+    /// measured reflectance has.
     #[cold]
     fn set_wide_radiance(&self, light: &[(u32, [f32; 4])], out: &mut [Vector3<f32>]) {
         let mut sums = vec![[0.0_f64; 4]; self.vertex.len()];

@@ -1,9 +1,10 @@
 //! The file form of a transport.
 //!
 //! ```text
-//! SIZE  side of the cube map u64, vertices u64, view u8 (0 any, 1 from an eye point, 2 from a direction), x, y, z f64 of that
-//! BLOK  for each 256 vertices: lists of rows' vertices u16, of weights f32 (three a row), of columns u32, of where these start u32,
-//!       of row indices u16; bits of a value u8 (32, 16, 8); values
+//! SIZE  side of the cube map u64, vertices u64, view u8 (0 any, 1 from an eye point, 2 from a direction), x, y,
+//!       z f64 of that
+//! BLOK  for each 256 vertices: lists of rows' vertices u16, of weights f32 (three a row), of columns u32,
+//!       of where these start u32, of row indices u16; bits of a value u8 (32, 16, 8); values
 //! ```
 
 use super::block::{BLOCK, Block, Values};

@@ -1,7 +1,8 @@
 //! Wavelet double products: a light of few wavelets times the transport of a fixed view and fixed materials [Ng 2003].
 //!
-//! Visibility × reflectance × cosine around each vertex is computed once, over a cube map, and brought into the Haar basis of each face. A
-//! frame multiplies that sparse matrix with the few wavelets that are kept of the light. Only the light may change.
+//! Visibility × reflectance × cosine around each vertex is computed once, over a cube map, and brought into the Haar
+//! basis of each face. A frame multiplies that sparse matrix with the few wavelets that are kept of the light. Only the
+//! light may change.
 //!
 //! | type | life |
 //! |---|---|
@@ -10,8 +11,8 @@
 //! | [`Relighter`] | frames |
 //! | [`Settings`] | how many wavelets a light keeps, and which |
 //!
-//! Which wavelets of the light to keep: see [`Selection`](crate::haar::Selection). By magnitude alone 1 % of the terms is too few
-//! (docs/performance.md has the figures).
+//! Which wavelets of the light to keep: see [`Selection`](crate::haar::Selection). By magnitude alone 1 % of the terms
+//! is too few (docs/performance.md has the figures).
 
 mod bake;
 mod block;

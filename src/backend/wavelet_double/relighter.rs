@@ -15,7 +15,9 @@ use crate::{Error, Result, parallel};
 
 /// Relights a scene from its [`Transport`] under lights that change.
 ///
-///   radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```math
+/// radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```
 ///
 /// over the few i that the light keeps.
 #[derive(Debug, Clone)]
@@ -79,8 +81,8 @@ impl<'a> Relighter<'a> {
     /// It is that of the materials that were baked, whatever these are.
     ///
     /// # Errors
-    /// [`Error::Length`] unless there is a material for each vertex, [`Error::Baked`] for a view other than the baked one, if radiance
-    /// depends on it.
+    /// [`Error::Length`] unless there is a material for each vertex, [`Error::Baked`] for a view other than the baked
+    /// one, if radiance depends on it.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.

@@ -17,8 +17,9 @@ pub enum Precision {
 /// How [`Transport::bake`](super::Transport::bake) stores what it computes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BakeSettings {
-    /// The smallest coefficients of a vertex are dropped as long as the relative L2 error of its transport stays below this;
-    /// 0 keeps every non-zero. Too large loses shadows' edges, too small stores noise: each halving costs about 1.5 × the memory.
+    /// The smallest coefficients of a vertex are dropped as long as the relative L2 error of its transport stays below
+    /// this; 0 keeps every non-zero. Too large loses shadows' edges, too small stores noise: each halving costs about
+    /// 1.5 × the memory.
     pub tolerance: f32,
     /// How the rest is stored.
     pub precision: Precision,

@@ -10,13 +10,15 @@ use crate::scene::{BinaryVisibility, DirectionTable, Materials, Mesh, View};
 use crate::sphere::CubeGrid;
 use crate::{Error, Progress, Result};
 
-/// The transport of a static scene seen from one view (from any view, if the materials do not depend on it): visibility ×
-/// brdf_cos of every vertex in the nonstandard Haar basis of each cube-map face, sparse, by wavelet.
+/// The transport of a static scene seen from one view (from any view, if the materials do not depend on it): visibility
+/// × brdf_cos of every vertex in the nonstandard Haar basis of each cube-map face, sparse, by wavelet.
 ///
-///   radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```math
+/// radiance(v) = Σ_i L_i T_vi                                                              [Ng 2003, eq. 5]
+/// ```
 ///
-/// with L the light's coefficients (texels weighted by side² × solid angle). The matrix is stored in blocks of 256 vertices,
-/// each by column, so that a light of few terms reads only its own columns.
+/// with L the light's coefficients (texels weighted by side² × solid angle). The matrix is stored in blocks of 256
+/// vertices, each by column, so that a light of few terms reads only its own columns.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transport {
     pub(super) grid: CubeGrid,
@@ -41,13 +43,14 @@ pub struct TransportStats {
 impl Transport {
     /// Computes the transport of every vertex: visibility × brdf_cos at every texel, transformed and thinned.
     ///
-    /// Shapes: `visibility` has one map a mesh vertex, `materials` one material a vertex. `progress` counts vertices. The same bits for
-    /// any number of threads. Cost: one BRDF slice and one Haar transform a vertex.
+    /// Shapes: `visibility` has one map a mesh vertex, `materials` one material a vertex. `progress` counts vertices.
+    /// The same bits for any number of threads. Cost: one BRDF slice and one Haar transform a vertex.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] for a cube map whose side is none, [`Error::Length`] if mesh, visibility and materials
-    /// disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance outside [0, 1), [`Error::NotFinite`] for a BRDF
-    /// whose value for one of the texels is NaN or infinite in `f32` (the index is the BRDF's), [`Error::Cancelled`].
+    /// disagree about the number of vertices, [`Error::OutOfRange`] for a tolerance outside [0, 1),
+    /// [`Error::NotFinite`] for a BRDF whose value for one of the texels is NaN or infinite in `f32` (the index is the
+    /// BRDF's), [`Error::Cancelled`].
     pub fn bake(
         mesh: &Mesh,
         visibility: &BinaryVisibility,

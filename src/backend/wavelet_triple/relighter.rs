@@ -8,17 +8,16 @@ use super::transport::Transport;
 use crate::backend::distant::range::{in_range, undo};
 use crate::backend::distant::{DistantRelighter, Freedom, check_vertices};
 use crate::error::check_length;
-use crate::haar::{
-    BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, TripleProduct, Visibility, rows_to_morton,
-    upper_means,
-};
+use crate::haar::{BitPyramid, BitPyramidRef, Factor, MaskedSum, ProjectedLight, TripleProduct, Visibility};
 use crate::scene::{BinaryVisibility, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Result, parallel};
 
 /// Relights a scene from its [`Transport`]: light, view and materials may change in each frame.
 ///
-///   radiance(v) = Σ_faces ∫ L B_v V_v = Σ_ijk L_i B_vj V_vk C_ijk                     [Ng 2004, eq. 4]
+/// ```math
+/// radiance(v) = Σ_faces ∫ L B_v V_v = Σ_ijk L_i B_vj V_vk C_ijk                     [Ng 2004, eq. 4]
+/// ```
 ///
 /// With all terms kept this is the sum over all texels; to rounding, ground truth.
 #[derive(Debug, Clone)]
@@ -55,8 +54,9 @@ impl<'a> Relighter<'a> {
     /// A relighter without light.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) if mesh and transport disagree about the number of vertices, [`Error::OutOfRange`](crate::Error::OutOfRange) for a fraction of terms outside
-    /// [0, 1] and for a table whose side is none of a cube map.
+    /// [`Error::Length`](crate::Error::Length) if mesh and transport disagree about the number of vertices,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) for a fraction of terms outside [0, 1] and for a table whose
+    /// side is none of a cube map.
     pub fn new(mesh: &'a Mesh, transport: &'a Transport, settings: Settings<'a>) -> Result<Self> {
         check_vertices("visibility maps", mesh.positions().len(), transport.vertices())?;
         settings.light_terms.check()?;
@@ -81,8 +81,8 @@ impl<'a> Relighter<'a> {
         })
     }
 
-    /// Sets the light: radiance on the transport's grid. Any finite light: the brightest and darkest are scaled by a power
-    /// of two.
+    /// Sets the light: radiance on the transport's grid. Any finite light: the brightest and darkest are scaled by a
+    /// power of two.
     ///
     /// # Errors
     /// As [`ProjectedLight::set`] and [`Selection`](crate::haar::Selection).
@@ -110,17 +110,19 @@ impl<'a> Relighter<'a> {
         self.light.terms
     }
 
-    /// Bytes in memory that grow with the number of vertices or of different slices, beside the transport's: those of tabulated slices.
+    /// Bytes in memory that grow with the number of vertices or of different slices, beside the transport's: those of
+    /// tabulated slices.
     pub fn bytes(&self) -> usize {
         self.table.bytes() + size_of_val(self.morton.as_slice())
     }
 
-    /// The radiance that each vertex sends towards the viewer; finite (at most [`f32::MAX`]). Vertices without light (none
-    /// was set) are black.
+    /// The radiance that each vertex sends towards the viewer; finite (at most [`f32::MAX`]). Vertices without light
+    /// (none was set) are black.
     ///
     /// # Errors
-    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh, [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF whose value for one of the texels is NaN or
-    /// infinite in `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
+    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF whose value for one of the texels is NaN or infinite in
+    /// `f32` (the index is the BRDF's); what the choice of a slice's terms refuses.
     ///
     /// # Panics
     /// Unless `out` has one value a vertex.
@@ -151,7 +153,7 @@ impl<'a> Relighter<'a> {
             for (i, radiance) in out.iter_mut().enumerate() {
                 let v = first + i;
                 let brdf = materials.brdf(v);
-                let frame = mesh.frame(v);
+                let frame = mesh.local_frame(v);
                 let wo = view.outgoing(brdf, &mesh.positions()[v], &frame);
                 let slice = sampler.texels((materials.part(v), brdf), &frame, &wo, weighting)?;
                 *radiance = masked_radiance(&masked, light, slice, visibility.vertex(v), brdf.colour());
@@ -177,7 +179,7 @@ impl<'a> Relighter<'a> {
                 if slice.is_dark(face) || bits.iter().all(|&w| w == 0) {
                     continue;
                 }
-                upper_means(side, bits, upper);
+                BitPyramid::upper_from_words(side, bits, upper);
                 let visibility = Visibility::Bits(BitPyramidRef::new(side, bits, upper));
                 match slice.face(face) {
                     [brdf] => {
@@ -234,7 +236,7 @@ fn morton_words(visibility: &BinaryVisibility) -> Vec<u64> {
     let words = BinaryVisibility::words_per_face(visibility.grid());
     let mut morton = vec![0; visibility.words().len()];
     for (rows, morton) in visibility.words().chunks_exact(words).zip(morton.chunks_exact_mut(words)) {
-        rows_to_morton(side, rows, morton);
+        BitPyramid::morton_from_rows(side, rows, morton);
     }
     morton
 }

@@ -8,9 +8,10 @@ pub enum Slices {
     /// Sampled for each vertex, in each frame: exact normals and views.
     #[default]
     Sampled,
-    /// From a table of slices at the texel centres of a cube map of normals (and, for view-dependent materials, one of views)
-    /// of this side, filled on first use. Faster from the second frame on; the nearest slice is off by up to half a texel:
-    /// 1.4° at side 32, 2.8° at 16. A slice takes up to 12 side² × 6 bytes of the *visibility's* side: mind side 32 with views.
+    /// From a table of slices at the texel centres of a cube map of normals (and, for view-dependent materials, one of
+    /// views) of this side, filled on first use. Faster from the second frame on; the nearest slice is off by up to
+    /// half a texel: 1.4° at side 32, 2.8° at 16. A slice takes up to 12 side² × 6 bytes of the *visibility's* side:
+    /// mind side 32 with views.
     Tabulated(usize),
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use nalgebra::Vector3;
 
 use crate::haar::{Decomposition, Factor, Keep, Selection, SelectionScratch, SparseVector, Transform2d, Weighting};
-use crate::scene::{Brdf, DirectionTable, Frame, Materials, Mesh, View};
+use crate::scene::{Brdf, DirectionTable, LocalFrame, Materials, Mesh, View};
 use crate::sphere::CubeGrid;
 use crate::{Result, parallel};
 
@@ -39,7 +39,7 @@ impl SliceSampler {
     }
 
     /// `part` is the BRDF's index, for an error.
-    fn sample(&mut self, (part, brdf): (usize, &dyn Brdf), frame: &Frame, wo: &Vector3<f64>) -> Result<usize> {
+    fn sample(&mut self, (part, brdf): (usize, &dyn Brdf), frame: &LocalFrame, wo: &Vector3<f64>) -> Result<usize> {
         let len = brdf.planes() * self.directions.len();
         brdf.sample_cos(frame, wo, &self.directions, &mut self.samples[..len]);
         if !self.samples[..len].iter().all(|x| x.is_finite()) {
@@ -65,7 +65,7 @@ impl SliceSampler {
     pub(super) fn texels(
         &mut self,
         brdf: (usize, &dyn Brdf),
-        frame: &Frame,
+        frame: &LocalFrame,
         wo: &Vector3<f64>,
         weighting: Weighting<'_, f32>,
     ) -> Result<&[f32]> {
@@ -89,7 +89,7 @@ impl SliceSampler {
     fn factors(
         &mut self,
         brdf: (usize, &dyn Brdf),
-        frame: &Frame,
+        frame: &LocalFrame,
         wo: &Vector3<f64>,
         w: Weighting<'_, f32>,
     ) -> Result<Slice> {
@@ -196,7 +196,7 @@ impl SliceTable {
             |k, sampler| {
                 let (part, normal, view) = missing[k];
                 let brdf = &*materials.brdfs()[part as usize];
-                let frame = Frame::around(&cells.direction(normal as usize));
+                let frame = LocalFrame::around(&cells.direction(normal as usize));
                 let wo = match brdf.is_view_independent() {
                     true => frame.normal.cast(),
                     false => cells.direction(view as usize).into_inner(),

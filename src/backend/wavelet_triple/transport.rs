@@ -12,7 +12,8 @@ const SECTION: usize = 4096;
 
 /// The transport of a static scene: one visibility bit a texel of the cube map around each vertex, losslessly.
 ///
-/// It knows neither light, nor view, nor materials. In memory and on disk: 6 side² / 8 bytes a vertex (3 KiB at side 64).
+/// It knows neither light, nor view, nor materials. In memory and on disk: 6 side² / 8 bytes a vertex (3 KiB at side
+/// 64).
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Transport {
     visibility: BinaryVisibility,

@@ -21,14 +21,18 @@ pub struct Bicluster<'a> {
 impl Bicluster<'_> {
     /// Floating-point operations of its product with a vector: l multiplications and l − 1 additions give one number,
     /// which is added to r rows.
-    ///   W(B) = r + 2l − 1                                                            [bi-scale radiance transfer, eq. 7]
+    /// ```math
+    /// W(B) = r + 2l − 1                                                          [bi-scale radiance transfer, eq. 7]
+    /// ```
     pub fn cost(&self) -> usize {
         self.rows.len() + 2 * self.columns.len() - 1
     }
 }
 
 /// A sparse matrix as a sum of biclusters, without loss.
-///   T = Σ_i B_i                                                                      [bi-scale radiance transfer §IV]
+/// ```math
+/// T = Σ_i B_i                                                                      [bi-scale radiance transfer §IV]
+/// ```
 ///
 /// Each bicluster grows from one element by the best of all moves (another row or column, or one less) until none saves
 /// more operations; it is subtracted, and the search goes on in what is left, which is negative where a row has less
@@ -49,7 +53,9 @@ impl Bicluster<'_> {
 /// assert_eq!(biclusters.to_matrix(), matrix);
 /// assert_eq!(biclusters.stats().flops, 5 + 2 + 2 + 2);
 /// let mut product = [0.0; 3];
-/// biclusters.multiplier::<f32>().multiply(&[1.0, 1.0, 1.0, 2.0], 1, &mut product);
+/// let multiplier = biclusters.multiplier::<f32>();
+/// let mut scratch = vec![0.0; multiplier.scratch_len(1)];
+/// multiplier.multiply(&[1.0, 1.0, 1.0, 2.0], &mut product, &mut scratch);
 /// assert_eq!(product, [2.75, 2.25, 1.0]);
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
@@ -80,7 +86,8 @@ pub struct BiclusterStats {
     pub flops: usize,
     /// 2 nnz of the matrix.
     pub matrix_flops: usize,
-    /// Bytes of a [`BiclusterMultiplier`](super::BiclusterMultiplier) for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4 (rows + 1).
+    /// Bytes of a [`BiclusterMultiplier`](super::BiclusterMultiplier) for `f32`: 4 Σr + 8 Σl + 4 (biclusters + 1) + 4
+    /// (rows + 1).
     pub bytes: usize,
     /// Bytes of the matrix in compressed rows ([`SparseMatrix::bytes`]).
     pub matrix_bytes: usize,

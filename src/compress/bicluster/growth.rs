@@ -2,7 +2,9 @@
 //!
 //! With m_k the count of the most frequent non-zero value of column k over the rows R, z_k its zeros there, r = |R|,
 //! l = |C|:
-//!   ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M_R) = Σ_{k∈C} 2 (m_k − z_k − 1) − (r − 1)
+//! ```math
+//! ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M_R) = Σ_{k∈C} 2 (m_k − z_k − 1) − (r − 1)
+//! ```
 //! because nnz(M) = Σ (r − z_k) and nnz(M_R) = Σ (r − m_k). Hence what each move gains, with "mode" a value that occurs
 //! m_k times:
 //! - add column k:    2 (m_k + nnz_k − r − 1), nnz_k = r − z_k

@@ -4,7 +4,9 @@ use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// A sparse matrix whose entries are integer levels times one scale; compressed rows.
-///   T_jk = scale · level_jk
+/// ```math
+/// T_jk = scale · level_jk
+/// ```
 ///
 /// Integers, because compression that gives back every bit must subtract, and differences of floating-point numbers are
 /// not exact. Visibility sampled 2^m × 2^m times a texel has the levels 0…2^{2m} and the scale 2^{−2m} [bi-scale
@@ -19,7 +21,7 @@ use crate::{Error, Real, Result, parallel};
 /// let matrix = SparseMatrix::from_triplets(2, 3, 0.25, [(1, 2, 4), (0, 1, 1), (0, 1, 2)])?;
 /// assert_eq!((matrix.nnz(), matrix.level(0, 1), matrix.level(0, 0)), (2, 3, 0));
 /// let mut product = [0.0; 2];
-/// matrix.multiply(&[1.0, 2.0, 3.0], 1, &mut product);
+/// matrix.multiply(&[1.0, 2.0, 3.0], &mut product);
 /// assert_eq!(product, [0.75 * 2.0, 1.0 * 3.0]);
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
@@ -211,24 +213,33 @@ impl SparseMatrix {
         indices.binary_search(&(column as u32)).map_or(0, |at| levels[at])
     }
 
-    /// T·x for `sides` right-hand sides at once: the product that biclustering makes cheaper.
-    ///
-    /// Shapes: `x[k·sides + s]`, `out[j·sides + s]`. Each sum runs over ascending columns in T. On all threads (feature
-    /// `rayon`), the same bits for any number of them.
+    /// T·x by rows. Each sum runs over ascending columns in T. On all threads (feature `rayon`), the same bits for any
+    /// number of them.
     ///
     /// # Panics
-    /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
+    /// If `x.len()` is not the number of columns or `out.len()` not that of rows.
     #[track_caller]
-    pub fn multiply<T: Real>(&self, x: &[T], sides: usize, out: &mut [T]) {
-        check_length("right-hand sides", self.columns.saturating_mul(sides), x.len());
-        check_length("product", self.rows().saturating_mul(sides), out.len());
+    pub fn multiply<T: Real>(&self, x: &[T], out: &mut [T]) {
+        self.multiply_batch(1, x, out);
+    }
+
+    /// [`multiply`](Self::multiply) for `count` right-hand sides at once (RGB, several lights).
+    ///
+    /// Number k of side s is `x[k · count + s]`.
+    ///
+    /// # Panics
+    /// If `x.len()` is not columns · `count` or `out.len()` not rows · `count`.
+    #[track_caller]
+    pub fn multiply_batch<T: Real>(&self, count: usize, x: &[T], out: &mut [T]) {
+        check_length("right-hand sides", self.columns.saturating_mul(count), x.len());
+        check_length("product", self.rows().saturating_mul(count), out.len());
         let scale = T::of(self.scale);
-        parallel::rows(out, sides, 64, |row, out| {
+        parallel::rows(out, count, 64, |row, out| {
             out.fill(T::zero());
             let (columns, levels) = self.row(row);
             for (&column, &level) in columns.iter().zip(levels) {
                 let weight = scale * T::of(f64::from(level));
-                let x = &x[column as usize * sides..][..sides];
+                let x = &x[column as usize * count..][..count];
                 out.iter_mut().zip(x).for_each(|(sum, &x)| *sum += weight * x);
             }
         });

@@ -7,7 +7,7 @@ use crate::{Real, parallel};
 /// T·x from the biclusters of T, for one or several right-hand sides.
 ///
 /// ```text
-/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                       [bi-scale radiance transfer, algorithm 2]
+/// p_i = Σ_{k∈C_i} t_ik x_k,   (T x)_j = Σ_{i: j∈R_i} p_i                     [bi-scale radiance transfer, algorithm 2]
 /// ```
 ///
 /// All products first, then each row gathers those of the biclusters that it is in: two passes that read their lists
@@ -86,47 +86,45 @@ impl<T: Real> BiclusterMultiplier<T> {
         self.columns
     }
 
-    /// Scratch that a product with `sides` right-hand sides wants: one number a bicluster and side.
+    /// Length of the scratch of a product with `count` right-hand sides: a number for each bicluster and side.
     #[inline]
-    pub fn scratch_len(&self, sides: usize) -> usize {
-        (self.column_offsets.len() - 1).saturating_mul(sides)
+    pub fn scratch_len(&self, count: usize) -> usize {
+        (self.column_offsets.len() - 1).saturating_mul(count)
     }
 
-    /// T·x for `sides` right-hand sides at once (RGB, several lights).
-    ///
-    /// Shapes: `x[k·sides + s]`, `out[j·sides + s]`. On all threads (feature `rayon`). Allocates its scratch;
-    /// [`multiply_with_scratch`](Self::multiply_with_scratch) does not.
+    /// T·x. On all threads (feature `rayon`).
     ///
     /// # Panics
-    /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
+    /// If `x.len()` is not the number of columns, `out.len()` not that of rows, or `scratch` not
+    /// [`scratch_len(1)`](Self::scratch_len) long.
     #[track_caller]
-    pub fn multiply(&self, x: &[T], sides: usize, out: &mut [T]) {
-        self.check_sides(x, sides, out);
-        self.multiply_with_scratch(x, sides, out, &mut vec![T::zero(); self.scratch_len(sides)]);
+    pub fn multiply(&self, x: &[T], out: &mut [T], scratch: &mut [T]) {
+        self.multiply_batch(1, x, out, scratch);
     }
 
     #[track_caller]
-    fn check_sides(&self, x: &[T], sides: usize, out: &[T]) {
+    fn check_sides(&self, sides: usize, x: &[T], out: &[T]) {
         check_length("right-hand sides", self.columns.saturating_mul(sides), x.len());
         check_length("product", self.rows.saturating_mul(sides), out.len());
     }
 
-    /// As [`multiply`](Self::multiply), without allocating.
+    /// T·x for `count` right-hand sides at once (RGB, several lights): number k of side s is `x[k · count + s]`.
     ///
     /// # Panics
-    /// As [`multiply`](Self::multiply), and if `scratch` is not [`scratch_len`](Self::scratch_len) long.
+    /// If `x.len()` is not columns · `count`, `out.len()` not rows · `count`, or `scratch` not
+    /// [`scratch_len`](Self::scratch_len) long.
     #[track_caller]
-    pub fn multiply_with_scratch(&self, x: &[T], sides: usize, out: &mut [T], scratch: &mut [T]) {
-        self.check_sides(x, sides, out);
-        check_length("scratch", self.scratch_len(sides), scratch.len());
-        match sides {
+    pub fn multiply_batch(&self, count: usize, x: &[T], out: &mut [T], scratch: &mut [T]) {
+        self.check_sides(count, x, out);
+        check_length("scratch", self.scratch_len(count), scratch.len());
+        match count {
             1 => self.run::<1>(x, out, scratch),
             2 => self.run::<2>(x, out, scratch),
             3 => self.run::<3>(x, out, scratch),
             4 => self.run::<4>(x, out, scratch),
             8 => self.run::<8>(x, out, scratch),
             16 => self.run::<16>(x, out, scratch),
-            _ => self.run_any(x, sides, out, scratch),
+            _ => self.run_any(x, count, out, scratch),
         }
     }
 

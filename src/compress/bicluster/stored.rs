@@ -16,14 +16,16 @@ use crate::{Error, Result};
 const MOST_ELEMENTS: u64 = 1 << 32;
 
 impl Biclustering {
-    /// From biclusters of a matrix of `rows` × `columns`, of which a level of 1 stands for `scale`: for those that were stored.
+    /// From biclusters of a matrix of `rows` × `columns`, of which a level of 1 stands for `scale`: for those that were
+    /// stored.
     ///
     /// Cost: looks at every element of every bicluster once.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a size of 2^31 or more, a scale that is not positive and finite, biclusters of more than 2^32 elements
-    /// together, and levels that add up to more than [`SparseMatrix::MAX_LEVEL`]; [`Error::Index`] for a row or column that is not there;
-    /// [`Error::Damaged`] for rows or columns that do not rise, or are none, and levels of 0.
+    /// [`Error::OutOfRange`] for a size of 2^31 or more, a scale that is not positive and finite, biclusters of more
+    /// than 2^32 elements together, and levels that add up to more than [`SparseMatrix::MAX_LEVEL`]; [`Error::Index`]
+    /// for a row or column that is not there; [`Error::Damaged`] for rows or columns that do not rise, or are none, and
+    /// levels of 0.
     pub fn from_parts<'a>(
         rows: usize,
         columns: usize,

@@ -9,13 +9,16 @@ use super::bases::Bases;
 use super::build::{Builder, Start};
 use super::nearest::{Nearest, Place};
 use super::settings::ClusteredPcaSettings;
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::parallel::Watch;
 use crate::{Error, Progress, Real, Result, parallel};
 
 /// The rows of a matrix, each as a cluster c and weights of that cluster's principal components [Sloan, Hall, Hart &
 /// Snyder 2003].
-///   x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
+/// ```math
+/// x ≈ m_c + Σ_j w_j u_cj,   x·l ≈ m_c·l + Σ_j w_j (u_cj·l)
+/// ```
 ///
 /// The second line is what this is for: a light l meets the means and components once, and each row is then
 /// `components` multiplications and additions.
@@ -40,7 +43,7 @@ use crate::{Error, Progress, Real, Result, parallel};
 /// assert_eq!(coded.clusters(), 2);
 /// assert!(coded.stats().distortion.max < 1e-5);
 /// let mut sums = [0.0; 20];
-/// coded.multiply(&[1.0, 10.0], 1, &mut sums);
+/// coded.multiply(&[1.0, 10.0], &mut sums, &mut vec![0.0; coded.scratch_len(1)]);
 /// assert!((sums[6] - 13.0).abs() < 1e-4 && (sums[7] - 10.0).abs() < 1e-4);
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
@@ -234,46 +237,46 @@ impl<T: Real> ClusteredPca<T> {
         Ok(())
     }
 
-    /// Length of the scratch of [`multiply_with_scratch`](Self::multiply_with_scratch).
-    pub fn scratch_len(&self, sides: usize) -> usize {
-        (self.clusters() * (self.components() + 1)).saturating_mul(sides)
+    /// Length of the scratch of a product with `count` right-hand sides.
+    pub fn scratch_len(&self, count: usize) -> usize {
+        (self.clusters() * (self.components() + 1)).saturating_mul(count)
     }
 
-    /// The product with a light, or several, without decoding; allocates.
-    ///
-    /// Shapes: `x[k·sides + s]`, `out[row·sides + s]`.
+    /// The product with a light, without decoding.
     ///
     /// # Panics
-    /// If `x.len()` is not columns · `sides` or `out.len()` not rows · `sides`.
+    /// If `x.len()` is not the number of columns, `out.len()` not that of rows, or `scratch` not
+    /// [`scratch_len(1)`](Self::scratch_len) long.
     #[track_caller]
-    pub fn multiply(&self, x: &[T], sides: usize, out: &mut [T]) {
-        self.check_sides(x, sides, out);
-        self.multiply_with_scratch(x, sides, out, &mut vec![T::zero(); self.scratch_len(sides)]);
+    pub fn multiply(&self, x: &[T], out: &mut [T], scratch: &mut [T]) {
+        self.multiply_batch(1, x, out, scratch);
     }
 
     #[track_caller]
-    fn check_sides(&self, x: &[T], sides: usize, out: &[T]) {
+    fn check_sides(&self, sides: usize, x: &[T], out: &[T]) {
         check_length("right-hand sides", self.columns().saturating_mul(sides), x.len());
         check_length("product", self.rows().saturating_mul(sides), out.len());
     }
 
-    /// As [`multiply`](Self::multiply); what the means and components give goes to `scratch`.
+    /// The products with `count` lights at once: number k of light s is `x[k · count + s]`. What the means and
+    /// components give goes to `scratch`.
     ///
     /// Accuracy: products with means and components are sums in `f64`, rounded once; a row is a sum of components + 1
     /// terms in `T`.
     ///
     /// # Panics
-    /// As [`multiply`](Self::multiply), and if `scratch` is not [`scratch_len`](Self::scratch_len) long.
+    /// If `x.len()` is not columns · `count`, `out.len()` not rows · `count`, or `scratch` not
+    /// [`scratch_len`](Self::scratch_len) long.
     #[track_caller]
-    pub fn multiply_with_scratch(&self, x: &[T], sides: usize, out: &mut [T], scratch: &mut [T]) {
-        self.check_sides(x, sides, out);
-        check_length("scratch", self.scratch_len(sides), scratch.len());
-        self.meet(x, sides, scratch);
-        match sides {
+    pub fn multiply_batch(&self, count: usize, x: &[T], out: &mut [T], scratch: &mut [T]) {
+        self.check_sides(count, x, out);
+        check_length("scratch", self.scratch_len(count), scratch.len());
+        self.meet(x, count, scratch);
+        match count {
             1 => self.gather::<1>(scratch, out),
             3 => self.gather::<3>(scratch, out),
             4 => self.gather::<4>(scratch, out),
-            _ => self.gather_any(sides, scratch, out),
+            _ => self.gather_any(count, scratch, out),
         }
     }
 
@@ -343,3 +346,8 @@ fn weigh<T: Real>(bases: &Bases<T>, rows: &[T], labels: &[u32], weights: &mut [T
         arch.dispatch(|| bases.distance(labels[row] as usize, x, 1.0, &mut difference, weights));
     });
 }
+
+approx_by_parts!(
+    [T] ClusteredPca<T>, T,
+    |c| close [&c.bases.data, &c.weights] same [c.bases.columns, c.bases.components, &c.bases.sizes, &c.labels]
+);

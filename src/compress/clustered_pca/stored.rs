@@ -16,14 +16,16 @@ use crate::store::{Kind, Reader, Writer, check_bits};
 use crate::{Error, Real, Result};
 
 impl<T: Real> ClusteredPca<T> {
-    /// From a mean and `components` components for each cluster, one after the other, a label and weights for each row, and how far rows
-    /// are from what is stored of them (the default, if that is not known): for those that were stored, or quantised.
+    /// From a mean and `components` components for each cluster, one after the other, a label and weights for each row,
+    /// and how far rows are from what is stored of them (the default, if that is not known): for those that were
+    /// stored, or quantised.
     ///
     /// Shapes: bases `[(cluster·(components + 1) + j)·columns + c]`, j = 0 the mean; weights `[row·components + j]`.
     ///
     /// # Errors
-    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless bases are whole and there are weights for each row;
-    /// [`Error::Index`] for a label without a cluster; [`Error::NotFinite`]; [`Error::OutOfRange`] for a distortion that is NaN or below 0.
+    /// [`Error::Empty`] without rows or columns; [`Error::Length`] unless bases are whole and there are weights for
+    /// each row; [`Error::Index`] for a label without a cluster; [`Error::NotFinite`]; [`Error::OutOfRange`] for a
+    /// distortion that is NaN or below 0.
     pub fn from_parts(
         columns: usize,
         components: usize,

@@ -7,11 +7,14 @@ use super::super::distortion::Distortion;
 use super::fit::{Source, fit};
 use super::moments::Moments;
 use super::settings::{Centre, PcaSettings};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::{Error, Real, Result, parallel};
 
 /// Principal components of the rows of a matrix: the mean and the directions in which rows vary most.
-///   x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
+/// ```math
+/// x ≈ m + Σ_j w_j u_j,   w_j = u_j·(x − m),   Σ_x w_j² / rows = variance of component j
+/// ```
 ///
 /// Of all affine subspaces of its dimension (through the origin with [`Centre::Origin`]) this is the one with the least
 /// sum of squared distances to the rows. Components are orthonormal, variances descend, and the entry of largest
@@ -243,3 +246,10 @@ pub(in super::super) fn check_matrix<T>(matrix: &[T], columns: usize) -> Result<
     }
     Ok(rows)
 }
+
+approx_by_parts!(
+    [T] Pca<T>, T,
+    |p| close [
+        &p.mean, &p.components, p.variances.iter().map(|&v| T::of(v)).collect::<Vec<T>>(), [T::of(p.total_variance)]
+    ] same []
+);

@@ -16,7 +16,9 @@ pub enum ByteBlocks {
 }
 
 /// Numbers as 8 bits each.
-///   x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
+/// ```math
+/// x ≈ offset + step·q,   offset = min,   step = (max − min)/255,   q = round((x − offset)/step)
+/// ```
 ///
 /// Within half a step of each number, but for rounding in `T` (2 ε of the block's largest magnitude): the ends are met,
 /// a block of equal numbers is exact.
@@ -89,13 +91,13 @@ impl<T: Real> QuantisedBytes<T> {
         Ok(all)
     }
 
-    /// From codes, offsets and steps, and how far quantisation moved the numbers (the default, if that is not known): for those that were
-    /// stored.
+    /// From codes, offsets and steps, and how far quantisation moved the numbers (the default, if that is not known):
+    /// for those that were stored.
     ///
     /// # Errors
-    /// As [`new`](Self::new) for the shape; [`Error::Length`] unless every block has an offset and a step; [`Error::NotFinite`] unless these
-    /// are finite, and so is what the largest code stands for; [`Error::OutOfRange`] for a step below 0, and a distortion that is NaN or
-    /// below 0.
+    /// As [`new`](Self::new) for the shape; [`Error::Length`] unless every block has an offset and a step;
+    /// [`Error::NotFinite`] unless these are finite, and so is what the largest code stands for; [`Error::OutOfRange`]
+    /// for a step below 0, and a distortion that is NaN or below 0.
     pub fn from_parts(
         codes: Vec<u8>,
         columns: usize,

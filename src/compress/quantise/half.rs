@@ -80,10 +80,12 @@ impl QuantisedHalf {
         Ok(Self { bits, distortion })
     }
 
-    /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that were stored.
+    /// From the bits of numbers, and how far rounding moved them (the default, if that is not known): for those that
+    /// were stored.
     ///
     /// # Errors
-    /// [`Error::NotFinite`] for the bits of NaN and infinity, [`Error::OutOfRange`] for a distortion that is NaN or below 0.
+    /// [`Error::NotFinite`] for the bits of NaN and infinity, [`Error::OutOfRange`] for a distortion that is NaN or
+    /// below 0.
     pub fn from_parts(bits: Vec<u16>, distortion: Distortion) -> Result<Self> {
         distortion.check()?;
         match bits.iter().position(|bits| bits >> 10 & 31 == 31) {

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! HALF: BITS  each number u16        DIST  distortion: max f64, rms f64, relative f64
-//! BYTE: SIZE  bits of a decoded number u8 (32, 64), numbers u64, columns u64, blocks u8 (0 rows, 1 columns, 2 runs), length of a run u64
+//! BYTE: SIZE  bits of a decoded number u8 (32, 64), numbers u64, columns u64, blocks u8 (0 rows, 1 columns,
+//!             2 runs), length of a run u64
 //!       CODE  each number u8         BLOK  offsets, steps                               DIST  as above
 //! ```
 

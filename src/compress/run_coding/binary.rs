@@ -24,9 +24,9 @@ pub enum MapState {
 ///
 /// # Example
 /// ```
-/// use haarmonic::compress::{BinaryMap, suffix_sums};
+/// use haarmonic::compress::{CodedBinaryMap, suffix_sums};
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// let map = BinaryMap::<u8>::new(&[1, 3], 4)?; // 0 1 1 0
+/// let map = CodedBinaryMap::<u8>::new(&[1, 3], 4)?; // 0 1 1 0
 /// let light = [1.0, 10.0, 100.0, 1000.0];
 /// let mut sums = [0.0; 4];
 /// suffix_sums(4, &light, &mut sums);
@@ -35,12 +35,12 @@ pub enum MapState {
 /// # }
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct BinaryMap<'a, I> {
+pub struct CodedBinaryMap<'a, I> {
     changes: &'a [I],
     len: usize,
 }
 
-impl<'a, I: MapIndex> BinaryMap<'a, I> {
+impl<'a, I: MapIndex> CodedBinaryMap<'a, I> {
     /// A map of `len` pixels that starts as 0 and changes at `changes`.
     ///
     /// # Errors
@@ -87,7 +87,9 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
     }
 
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
-    ///   Σ_i V_i L_i = L_int\[c_0\] − L_int\[c_1\] + L_int\[c_2\] − …                  [Inger 2013, eq. 5, 6]
+    /// ```math
+    /// Σ_i V_i L_i = L_int[c_0] − L_int[c_1] + L_int[c_2] − …                  [Inger 2013, eq. 5, 6]
+    /// ```
     ///
     /// Accuracy: the error of each sum that is looked up; the differences are taken in `f64`. Cost: a look-up a change.
     /// NaN and infinite samples are in all sums that begin before them, whether the map keeps them or not; not so in
@@ -167,7 +169,7 @@ impl<'a, I: MapIndex> BinaryMap<'a, I> {
     }
 }
 
-/// The pixel ranges where a binary map is 1; made by [`BinaryMap::runs`].
+/// The pixel ranges where a binary map is 1; made by [`CodedBinaryMap::runs`].
 #[derive(Debug, Clone)]
 pub struct Runs<'a, I> {
     changes: &'a [I],
@@ -203,26 +205,26 @@ impl<I: MapIndex> ExactSizeIterator for Runs<'_, I> {}
 ///
 /// # Example
 /// ```
-/// use haarmonic::compress::{BinaryMaps, MapState};
+/// use haarmonic::compress::{CodedBinaryMaps, MapState};
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// let mut maps = BinaryMaps::<u8>::new(256)?;
+/// let mut maps = CodedBinaryMaps::<u8>::new(256)?;
 /// maps.push_bits(&[!0, !0, 0, 0]);
 /// maps.push_bits(&[!0, !0, !0, !0]);
 /// assert_eq!(maps.map(0).changes(), [0, 128]);
 /// assert_eq!(maps.map(1).state(), MapState::AllOne);
 /// let bytes = maps.to_bytes();
-/// assert_eq!(BinaryMaps::<u8>::from_bytes(&bytes)?, maps);
+/// assert_eq!(CodedBinaryMaps::<u8>::from_bytes(&bytes)?, maps);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct BinaryMaps<I> {
+pub struct CodedBinaryMaps<I> {
     map_len: usize,
     ends: Vec<u32>,
     changes: Vec<I>,
 }
 
-impl<I: MapIndex> BinaryMaps<I> {
+impl<I: MapIndex> CodedBinaryMaps<I> {
     /// No maps yet, of `map_len` pixels each.
     ///
     /// # Errors
@@ -256,14 +258,14 @@ impl<I: MapIndex> BinaryMaps<I> {
     /// If there are not so many.
     #[inline]
     #[track_caller]
-    pub fn map(&self, index: usize) -> BinaryMap<'_, I> {
+    pub fn map(&self, index: usize) -> CodedBinaryMap<'_, I> {
         let end = self.ends[index] as usize;
         let start = if index == 0 { 0 } else { self.ends[index - 1] as usize };
-        BinaryMap { changes: &self.changes[start..end], len: self.map_len }
+        CodedBinaryMap { changes: &self.changes[start..end], len: self.map_len }
     }
 
     /// All maps, in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = BinaryMap<'_, I>> + '_ {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = CodedBinaryMap<'_, I>> + '_ {
         (0..self.len()).map(|index| self.map(index))
     }
 
@@ -314,7 +316,7 @@ impl<I: MapIndex> BinaryMaps<I> {
     /// # Panics
     /// If its length differs from the maps', or the changes of all maps reach 2³².
     #[track_caller]
-    pub fn push(&mut self, map: BinaryMap<'_, I>) {
+    pub fn push(&mut self, map: CodedBinaryMap<'_, I>) {
         check_length("pixels of a map", self.map_len, map.len);
         self.changes.extend_from_slice(map.changes);
         self.close();

@@ -10,18 +10,20 @@ use crate::error::check_length;
 use crate::{Error, Real, Result};
 
 /// A quantised map by the places where it changes and the levels it changes to, borrowed.
-///   V = level / top, level 0 before the first change
+/// ```math
+/// V = level / top, level 0 before the first change
+/// ```
 ///
 /// The *new level* is stored rather than the difference [Inger 2013, §4.2]: differences of 8-bit levels need 9 bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct GrayMap<'a, I> {
+pub struct CodedGrayMap<'a, I> {
     changes: &'a [I],
     levels: &'a [u8],
     len: usize,
     top: u8,
 }
 
-impl<'a, I: MapIndex> GrayMap<'a, I> {
+impl<'a, I: MapIndex> CodedGrayMap<'a, I> {
     /// Where the map changes, rising.
     #[inline]
     pub fn changes(self) -> &'a [I] {
@@ -64,10 +66,12 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
     }
 
     /// Σ V L from the [`suffix_sums`](crate::compress::suffix_sums) of L, without decoding.
-    ///   Σ_i V_i L_i = Σ_d V_d L_int\[c_d\]                                         [Inger 2013, eq. 5, 6]
+    /// ```math
+    /// Σ_i V_i L_i = Σ_d V_d L_int[c_d]                                         [Inger 2013, eq. 5, 6]
+    /// ```
     ///
-    /// Accuracy: as [`BinaryMap::dot`](crate::compress::BinaryMap::dot), times the differences. Cost: a look-up a
-    /// change.
+    /// Accuracy: as [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot), times the differences. Cost: a
+    /// look-up a change.
     ///
     /// # Panics
     /// If `sums.len()` is not the map's.
@@ -125,10 +129,10 @@ impl<'a, I: MapIndex> GrayMap<'a, I> {
     }
 }
 
-/// The ranges where a gray map is not 0, and their levels; made by [`GrayMap::spans`].
+/// The ranges where a gray map is not 0, and their levels; made by [`CodedGrayMap::spans`].
 #[derive(Debug, Clone)]
 pub struct GraySpans<'a, I> {
-    map: GrayMap<'a, I>,
+    map: CodedGrayMap<'a, I>,
 }
 
 impl<I: MapIndex> Iterator for GraySpans<'_, I> {
@@ -155,16 +159,16 @@ impl<I: MapIndex> Iterator for GraySpans<'_, I> {
 ///
 /// # Example
 /// ```
-/// use haarmonic::compress::GrayMaps;
+/// use haarmonic::compress::CodedGrayMaps;
 /// # fn main() -> Result<(), haarmonic::Error> {
-/// let mut maps = GrayMaps::<u8>::with_bits(4, 2)?; // V = 0, 1/3, 2/3, 1
+/// let mut maps = CodedGrayMaps::<u8>::with_bits(4, 2)?; // V = 0, 1/3, 2/3, 1
 /// maps.push_values(&[0.0, 0.3, 0.35, 1.0]);
 /// assert_eq!(maps.map(0).differences().collect::<Vec<_>>(), [(1, 1), (3, 2)]);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-pub struct GrayMaps<I> {
+pub struct CodedGrayMaps<I> {
     map_len: usize,
     top: u8,
     ends: Vec<u32>,
@@ -172,7 +176,7 @@ pub struct GrayMaps<I> {
     levels: Vec<u8>,
 }
 
-impl<I: MapIndex> GrayMaps<I> {
+impl<I: MapIndex> CodedGrayMaps<I> {
     /// No maps yet, of `map_len` pixels each, with V = level/top for the levels 0…`top`.
     ///
     /// # Errors
@@ -227,15 +231,15 @@ impl<I: MapIndex> GrayMaps<I> {
     /// If there are not so many.
     #[inline]
     #[track_caller]
-    pub fn map(&self, index: usize) -> GrayMap<'_, I> {
+    pub fn map(&self, index: usize) -> CodedGrayMap<'_, I> {
         let end = self.ends[index] as usize;
         let start = if index == 0 { 0 } else { self.ends[index - 1] as usize };
         let (changes, levels) = (&self.changes[start..end], &self.levels[start..end]);
-        GrayMap { changes, levels, len: self.map_len, top: self.top }
+        CodedGrayMap { changes, levels, len: self.map_len, top: self.top }
     }
 
     /// All maps, in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = GrayMap<'_, I>> + '_ {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = CodedGrayMap<'_, I>> + '_ {
         (0..self.len()).map(|index| self.map(index))
     }
 
@@ -338,8 +342,8 @@ impl<I: MapIndex> GrayMaps<I> {
         stats
     }
 
-    /// The file form, as [`BinaryMaps::to_bytes`](crate::compress::BinaryMaps::to_bytes), with a byte for each new
-    /// level.
+    /// The file form, as [`CodedBinaryMaps::to_bytes`](crate::compress::CodedBinaryMaps::to_bytes), with a byte for
+    /// each new level.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut out = bytes::header(bytes::GRAY, self.map_len, self.len());
         out.push(self.top);
@@ -354,8 +358,8 @@ impl<I: MapIndex> GrayMaps<I> {
     /// Reads [`to_bytes`](Self::to_bytes).
     ///
     /// # Errors
-    /// As [`BinaryMaps::from_bytes`](crate::compress::BinaryMaps::from_bytes); [`Error::Damaged`] for a level above the
-    /// top or equal to the one before it, too.
+    /// As [`CodedBinaryMaps::from_bytes`](crate::compress::CodedBinaryMaps::from_bytes); [`Error::Damaged`] for a level
+    /// above the top or equal to the one before it, too.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut reader = Reader::new("coded gray maps", bytes);
         let (map_len, count) = reader.header(bytes::GRAY)?;

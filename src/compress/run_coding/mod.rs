@@ -22,9 +22,9 @@ mod stats;
 mod stored;
 mod sums;
 
-pub use binary::{BinaryMap, BinaryMaps, MapState, Runs};
+pub use binary::{CodedBinaryMap, CodedBinaryMaps, MapState, Runs};
 pub use bytes::{decode_gaps, encode_gaps};
-pub use gray::{GrayMap, GrayMaps, GraySpans};
+pub use gray::{CodedGrayMap, CodedGrayMaps, GraySpans};
 pub use index::MapIndex;
 pub use scan::{Scan, ScanOrder};
 pub use stats::RunStats;

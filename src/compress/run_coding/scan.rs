@@ -124,7 +124,8 @@ impl Scan {
     }
 
     /// [`apply`](Self::apply) to bits, in the order of
-    /// [`BinaryMaps::push_bits`](crate::compress::BinaryMaps::push_bits): pixel i is bit i mod 64 of word i / 64.
+    /// [`CodedBinaryMaps::push_bits`](crate::compress::CodedBinaryMaps::push_bits): pixel i is bit i mod 64 of word i /
+    /// 64.
     ///
     /// # Panics
     /// If a length is not ⌈pixels/64⌉.

@@ -5,8 +5,8 @@
 //! PART  maps, up to 65536 of them, as `to_bytes` writes them; as many sections as it takes
 //! ```
 
-use super::binary::BinaryMaps;
-use super::gray::GrayMaps;
+use super::binary::CodedBinaryMaps;
+use super::gray::CodedGrayMaps;
 use super::index::MapIndex;
 use crate::store::parts::Parts;
 use crate::store::{Kind, Reader, Writer};
@@ -67,12 +67,12 @@ macro_rules! stored {
     };
 }
 
-fn binary<I: MapIndex>(map_len: usize, top: u8) -> Result<BinaryMaps<I>> {
+fn binary<I: MapIndex>(map_len: usize, top: u8) -> Result<CodedBinaryMaps<I>> {
     if top != 1 {
         return Err(Error::OutOfRange { what: "top level of binary maps", got: f64::from(top), allowed: "1" });
     }
-    BinaryMaps::new(map_len)
+    CodedBinaryMaps::new(map_len)
 }
 
-stored!(BinaryMaps, |_: &Self| 1, binary);
-stored!(GrayMaps, Self::top, Self::new);
+stored!(CodedBinaryMaps, |_: &Self| 1, binary);
+stored!(CodedGrayMaps, Self::top, Self::new);

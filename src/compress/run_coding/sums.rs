@@ -68,10 +68,12 @@ macro_rules! sample {
 sample!(f32 f64);
 
 /// The suffix sums of each block of `len` samples.
-///   out\[i\] = Σ_{j≥i} signal\[j\] within the block                                  [Inger 2013, eq. 6]
+/// ```math
+/// out[i] = Σ_{j≥i} signal[j] within the block                                  [Inger 2013, eq. 6]
+/// ```
 ///
-/// Compute once for each new light, for any number of blocks: what [`BinaryMap::dot`](crate::compress::BinaryMap::dot)
-/// looks up.
+/// Compute once for each new light, for any number of blocks: what
+/// [`CodedBinaryMap::dot`](crate::compress::CodedBinaryMap::dot) looks up.
 ///
 /// Accuracy: summed in `f64`, rounded once. An `f32` sum so is wrong by up to 6e-8 of *itself*, and what it sums up
 /// includes pixels that a map hides: behind a sun, `f64` sums (`[f64; 3]` for RGB) keep the night sky.

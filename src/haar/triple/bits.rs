@@ -96,7 +96,7 @@ impl BitPyramid {
     #[track_caller]
     pub fn fill_from_rows(&mut self, rows: &[u64]) {
         check_length("words of bits", self.words.len(), rows.len());
-        rows_to_morton(self.side(), rows, &mut self.words);
+        Self::morton_from_rows(self.side(), rows, &mut self.words);
         self.count();
     }
 
@@ -112,9 +112,61 @@ impl BitPyramid {
         self.count();
     }
 
+    /// Fills the table of means of Morton-ordered bits; for callers that keep many images in one buffer.
+    ///
+    /// # Panics
+    /// If a length is not [`Self::words_len`] or [`Self::upper_len`].
+    #[track_caller]
+    pub fn upper_from_words(side: usize, words: &[u64], upper: &mut [[f32; 4]]) {
+        check_length("words of bits", Self::words_len(side), words.len());
+        check_length("table of means", Self::upper_len(side), upper.len());
+        let texels = (side * side).min(64) as f32;
+        let flat = upper.as_flattened_mut();
+        let first = first_node(block_levels(side.ilog2()));
+        flat[..3].fill(0.0);
+        for (mean, word) in flat[first + 3..].iter_mut().zip(words) {
+            *mean = word.count_ones() as f32 / texels;
+        }
+        for n in (0..first).rev() {
+            let at = 4 * (n + 1);
+            flat[n + 3] = 0.25 * (flat[at] + flat[at + 1] + flat[at + 2] + flat[at + 3]);
+        }
+    }
+
+    /// Reorders row-major bits (as in a face of a binary cube map) to Morton order.
+    ///
+    /// # Panics
+    /// If `side` is no power of two or a length is not [`Self::words_len`].
+    #[track_caller]
+    pub fn morton_from_rows(side: usize, rows: &[u64], words: &mut [u64]) {
+        assert!(side.is_power_of_two(), "side {side} is no power of two");
+        check_length("words of row-major bits", Self::words_len(side), rows.len());
+        check_length("words of Morton bits", rows.len(), words.len());
+        if side < 8 {
+            words[0] = 0;
+            for y in 0..side {
+                for x in 0..side {
+                    words[0] |= (rows[0] >> (y * side + x) & 1) << morton(x, y);
+                }
+            }
+            return;
+        }
+        let blocks = side / 8;
+        for by in 0..blocks {
+            for bx in 0..blocks {
+                let mut block = 0;
+                for r in 0..8 {
+                    let byte = (by * 8 + r) * blocks + bx;
+                    block |= (rows[byte / 8] >> (8 * (byte % 8)) & 0xff) << (8 * r);
+                }
+                words[morton(bx, by)] = morton_block(block);
+            }
+        }
+    }
+
     /// Rebuilds the table from the words.
     fn count(&mut self) {
-        upper_means(self.side(), &self.words, &mut self.upper);
+        Self::upper_from_words(self.side(), &self.words, &mut self.upper);
     }
 
     /// The side of the image.
@@ -252,58 +304,6 @@ pub(super) fn word_means<T: Real>(words: &[u64], m: usize) -> [T; 4] {
 /// The bits of word 0 that are texels.
 const fn valid_bits(side: usize) -> u64 {
     if side < 8 { (1 << (side * side)) - 1 } else { !0 }
-}
-
-/// Fills the table of means of Morton-ordered bits; for callers that keep many images in one buffer.
-///
-/// # Panics
-/// If a length is not [`BitPyramid::words_len`] or [`BitPyramid::upper_len`].
-#[track_caller]
-pub fn upper_means(side: usize, words: &[u64], upper: &mut [[f32; 4]]) {
-    check_length("words of bits", BitPyramid::words_len(side), words.len());
-    check_length("table of means", BitPyramid::upper_len(side), upper.len());
-    let texels = (side * side).min(64) as f32;
-    let flat = upper.as_flattened_mut();
-    let first = first_node(block_levels(side.ilog2()));
-    flat[..3].fill(0.0);
-    for (mean, word) in flat[first + 3..].iter_mut().zip(words) {
-        *mean = word.count_ones() as f32 / texels;
-    }
-    for n in (0..first).rev() {
-        let at = 4 * (n + 1);
-        flat[n + 3] = 0.25 * (flat[at] + flat[at + 1] + flat[at + 2] + flat[at + 3]);
-    }
-}
-
-/// Reorders row-major bits (as in a face of a binary cube map) to Morton order.
-///
-/// # Panics
-/// If `side` is no power of two or a length is not [`BitPyramid::words_len`].
-#[track_caller]
-pub fn rows_to_morton(side: usize, rows: &[u64], words: &mut [u64]) {
-    assert!(side.is_power_of_two(), "side {side} is no power of two");
-    check_length("words of row-major bits", BitPyramid::words_len(side), rows.len());
-    check_length("words of Morton bits", rows.len(), words.len());
-    if side < 8 {
-        words[0] = 0;
-        for y in 0..side {
-            for x in 0..side {
-                words[0] |= (rows[0] >> (y * side + x) & 1) << morton(x, y);
-            }
-        }
-        return;
-    }
-    let blocks = side / 8;
-    for by in 0..blocks {
-        for bx in 0..blocks {
-            let mut block = 0;
-            for r in 0..8 {
-                let byte = (by * 8 + r) * blocks + bx;
-                block |= (rows[byte / 8] >> (8 * (byte % 8)) & 0xff) << (8 * r);
-            }
-            words[morton(bx, by)] = morton_block(block);
-        }
-    }
 }
 
 /// An 8×8 block from row-major to Morton order.

@@ -27,7 +27,9 @@ impl<T: Real, const C: usize> Factor<T, C> {
     /// Cost: O(side²), about 1 ns a texel: once a frame for a light, once for a table of BRDFs.
     ///
     /// # Errors
-    /// As [`SparseNodes::new`].
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless the dense length is the square of one;
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) above a side of 2¹⁴; [`Error::Length`](crate::Error::Length)
+    /// unless the channels agree; [`Error::Empty`](crate::Error::Empty) if there is no channel.
     pub fn new(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
         let nodes = SparseNodes::new(coefficients)?;
         let mut means = MeanTree::zeros(nodes.side())?;
@@ -43,12 +45,6 @@ impl<T: Real, const C: usize> Factor<T, C> {
             + size_of_val(self.nodes.weights())
             + size_of_val(self.means.blocks())
             + size_of_val(self.planes.as_slice())
-    }
-
-    /// The details, node by node.
-    #[inline]
-    pub fn nodes(&self) -> &SparseNodes<T, C> {
-        &self.nodes
     }
 
     /// The mean pyramid.
@@ -105,7 +101,9 @@ pub enum Route {
 
 /// Plan of ∫ L B V over squares of one side.
 ///
-///   ∫∫ L B V dx dy = Σ_ijk L_i B_j V_k C_ijk                                    [Ng et al. 2004, eq. 4]
+/// ```math
+/// ∫∫ L B V dx dy = Σ_ijk L_i B_j V_k C_ijk                                    [Ng et al. 2004, eq. 4]
+/// ```
 ///
 /// Accuracy: sums in T over at most 256 nodes a list or 1024 texels, then f64. Measured against f64 texels, relative to
 /// max|L| max|B| max|V|: below 4e-7 in f32 (the rounding of the inputs to f32 included) and 1e-15 in f64, by either

@@ -81,7 +81,7 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     /// The tree of sparse nonstandard coefficients, one vector a channel.
     ///
     /// # Errors
-    /// As [`SparseNodes::new`].
+    /// As [`Factor::new`](super::Factor::new).
     pub fn from_sparse(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
         let nodes = SparseNodes::new(coefficients)?;
         let mut tree = Self::zeros(nodes.side())?;
@@ -94,7 +94,7 @@ impl<T: Real, const C: usize> MeanTree<T, C> {
     /// # Panics
     /// If the sides differ.
     #[track_caller]
-    pub fn fill(&mut self, nodes: &SparseNodes<T, C>) {
+    pub(super) fn fill(&mut self, nodes: &SparseNodes<T, C>) {
         check_length("side of the nodes", self.side(), nodes.side());
         for channel in 0..C {
             self.set(0, channel, nodes.mean(channel));

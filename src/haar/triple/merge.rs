@@ -3,12 +3,16 @@
 //! Write c_X(n) for the four child means of X at node n, a_X(n) for its mean there, δ_X = c_X − a_X. Summing by parts,
 //! node by node,
 //!
-//!   mean(c_L c_B c_V) − a_L a_B a_V = mean(δ_B c_L c_V) + a_B mean(δ_L c_V)
+//! ```math
+//! mean(c_L c_B c_V) − a_L a_B a_V = mean(δ_B c_L c_V) + a_B mean(δ_L c_V)
+//! ```
 //!
 //! because mean(c_L c_B c_V) = mean(δ_B c_L c_V) + a_B mean(c_L c_V), mean(c_L c_V) = a_L a_V + mean(δ_L c_V).
 //! Telescoped over the tree,
 //!
-//!   ∫ L B V = a_L a_B a_V(root) + Σ_{n ∈ B} ⟨w_B, c_L c_V⟩(n) + Σ_{n ∈ L} a_B(n) ⟨w_L, c_V⟩(n),    w = 4^{−l−1} δ.
+//! ```math
+//! ∫ L B V = a_L a_B a_V(root) + Σ_{n ∈ B} ⟨w_B, c_L c_V⟩(n) + Σ_{n ∈ L} a_B(n) ⟨w_L, c_V⟩(n),    w = 4^{−l−1} δ.
+//! ```
 //!
 //! It is the sum over tripling coefficients of [Ng et al. 2004] regrouped: the nodes that L and B share need no
 //! intersection and the six permutations h v d no shuffles. A node costs one record of V and one record (B's nodes) or

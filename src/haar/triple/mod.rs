@@ -2,7 +2,7 @@
 //!
 //! | route | reads | nodes or texels | when |
 //! |---|---|---|---|
-//! | flat merge | [`SparseNodes`] and [`MeanTree`] of L and B, V's means or bits | 3 cycles a kept node (means), 8 (bits) | few terms |
+//! | flat merge | [`Factor`] of L and B, V's means or bits | 3 cycles a kept node (means), 8 (bits) | few terms |
 //! | masked pixels | texels of L and B, V's bits | 1 cycle for 4 to 6 texels | many terms |
 //! | Ng's recursion (`reference::haar::NgTripleProduct`) | quadtrees of L and B, V's coefficients | 40 cycles a kept node or ancestor | to compare with the paper |
 //!
@@ -19,11 +19,10 @@ mod mean_tree;
 mod merge;
 mod nodes;
 
-pub use bits::{BitPyramid, BitPyramidRef, rows_to_morton, upper_means};
+pub use bits::{BitPyramid, BitPyramidRef};
 pub use engine::{Factor, Route, TripleProduct, Visibility};
 pub use masked::MaskedSum;
 pub use mean_tree::MeanTree;
-pub use nodes::SparseNodes;
 
 use crate::{Error, Result};
 

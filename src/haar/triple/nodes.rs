@@ -1,7 +1,7 @@
 //! Sparse details, node by node, as the flat merge reads them.
 
 use super::super::SparseVector;
-use super::super::wavelet_tree::{is_negative, morton, unmorton};
+use super::super::wavelet_tree::{is_negative, morton};
 use super::first_node;
 use crate::{Error, Real, Result};
 
@@ -11,7 +11,7 @@ use crate::{Error, Real, Result};
 /// four weights, ¼ 4^{−l} (±h ± v ± d) 2^l: what each child's mean deviates from the node's own, times the child's
 /// area. So ∫ f g = a_f a_g + Σ_n ⟨weights_f(n), child means of g(n)⟩.
 #[derive(Debug, Clone, PartialEq)]
-pub struct SparseNodes<T, const C: usize = 1> {
+pub(super) struct SparseNodes<T, const C: usize = 1> {
     levels: u32,
     means: [T; C],
     nodes: Vec<u32>,
@@ -28,7 +28,7 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless the dense length is the square of one; [`Error::OutOfRange`] above a side of
     /// 2¹⁴; [`Error::Length`] unless the channels agree; [`Error::Empty`] if there is no channel.
-    pub fn new(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
+    pub(super) fn new(coefficients: [&SparseVector<T>; C]) -> Result<Self> {
         let Some(first) = coefficients.first() else { return Err(Error::Empty { what: "the list of channels" }) };
         let len = first.len();
         if !len.is_power_of_two() || len.ilog2() % 2 == 1 {
@@ -79,13 +79,13 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
 
     /// The side of the signals.
     #[inline]
-    pub fn side(&self) -> usize {
+    pub(super) fn side(&self) -> usize {
         1 << self.levels
     }
 
     /// log₂ of the side.
     #[inline]
-    pub fn levels(&self) -> u32 {
+    pub(super) fn levels(&self) -> u32 {
         self.levels
     }
 
@@ -95,31 +95,25 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     /// If there is no such channel.
     #[track_caller]
     #[inline]
-    pub fn mean(&self, channel: usize) -> T {
+    pub(super) fn mean(&self, channel: usize) -> T {
         self.means[channel]
     }
 
     /// How many nodes have a detail.
     #[inline]
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.nodes.len()
-    }
-
-    /// Whether every channel is constant.
-    #[inline]
-    pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
     }
 
     /// The nodes, ascending.
     #[inline]
-    pub fn nodes(&self) -> &[u32] {
+    pub(super) fn nodes(&self) -> &[u32] {
         &self.nodes
     }
 
     /// The four weights of each channel, node after node.
     #[inline]
-    pub fn weights(&self) -> &[[[T; 4]; C]] {
+    pub(super) fn weights(&self) -> &[[[T; 4]; C]] {
         &self.weights
     }
 
@@ -137,29 +131,6 @@ impl<T: Real, const C: usize> SparseNodes<T, C> {
     fn range(&self, from: u32, to: u32) -> impl Iterator<Item = (&u32, &[[T; 4]; C])> {
         let span = self.span(from, to);
         self.nodes[span.clone()].iter().zip(&self.weights[span])
-    }
-
-    /// The coefficients of a channel; equal to what the nodes were made of, to rounding.
-    ///
-    /// # Panics
-    /// If there is no such channel.
-    #[track_caller]
-    pub fn to_sparse(&self, channel: usize) -> SparseVector<T> {
-        let mut terms = vec![(0u32, self.means[channel])];
-        for (&node, weights) in self.nodes.iter().zip(&self.weights) {
-            let level = level_of(node);
-            let (x, y) = unmorton(node as usize - first_node(level));
-            let [a, b, c, d] = weights[channel];
-            // Four weights 2^{−l−2}(±h ± v ± d) against one sign pattern: 4 · 2^{−l−2} h.
-            let scale = T::of(f64::from(1u32 << level));
-            for (kind, sum) in [(1, a - b + c - d), (2, a + b - c - d), (3, a - b - c + d)] {
-                terms.push((((kind << (2 * level)) + (y << level) + x) as u32, sum * scale));
-            }
-        }
-        terms.retain(|term| term.1 != T::zero());
-        terms.sort_unstable_by_key(|term| term.0);
-        let (indices, values) = terms.into_iter().unzip();
-        SparseVector::new(1 << (2 * self.levels), indices, values).expect("nodes are distinct and within the side")
     }
 }
 

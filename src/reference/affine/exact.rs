@@ -1,8 +1,8 @@
 //! Which coefficients are exactly zero, decided in integers.
 //!
-//! An `f64` is an integer times a power of two, so everything is one in units of a small enough power of two. Comparing in source
-//! space, x = s·v + o, avoids the division: the fixed functions move there, the transformed one stays, and the integral changes by
-//! the positive factor |s| only. Of the functions only the signs count.
+//! An `f64` is an integer times a power of two, so everything is one in units of a small enough power of two. Comparing
+//! in source space, x = s·v + o, avoids the division: the fixed functions move there, the transformed one stays, and
+//! the integral changes by the positive factor |s| only. Of the functions only the signs count.
 
 use num_traits::Float;
 
@@ -72,8 +72,8 @@ fn sign(factors: &[&Signs]) -> i32 {
 
 /// The sign of D_ij of the 1D basis, 0 if and only if it is exactly zero for the numbers that `map` holds.
 ///
-/// For indices below 2048 and maps whose scale and offset, written in binary, span fewer than about 90 places together: any
-/// 2^−8 ≤ |s| ≤ 2^8 with an offset of ordinary size. Panics otherwise.
+/// For indices below 2048 and maps whose scale and offset, written in binary, span fewer than about 90 places together:
+/// any 2^−8 ≤ |s| ≤ 2^8 with an offset of ordinary size. Panics otherwise.
 pub fn coupling_sign_1d(i: usize, j: usize, map: AffineMap) -> i32 {
     let fixed = FixedPoint::new(map);
     sign(&[&fixed.source(&Function::haar(i)), &fixed.target(&Function::haar(j))])

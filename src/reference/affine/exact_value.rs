@@ -1,7 +1,7 @@
 //! Couplings without rounding, for every map: sums of `f64` in a fixed-point number as long as their range.
 //!
-//! As in [`exact`](super::exact) everything is compared and measured in source space, x = s·v + o, where nothing is divided. A point there
-//! is the exact sum of a few `f64`.
+//! As in [`exact`](super::exact) everything is compared and measured in source space, x = s·v + o, where nothing is
+//! divided. A point there is the exact sum of a few `f64`.
 
 use num_traits::Float;
 
@@ -93,7 +93,8 @@ fn product(a: f64, b: f64) -> [f64; 2] {
 /// A change of s and of o, far below anything that a map and a breakpoint of level 40 can tell apart.
 const STEP: f64 = f64::from_bits((1023 - 900) << 52);
 
-/// Σ ± lengths of the pieces of the product of a moved function with fixed ones, in source space, for s + ds and o + do: terms of an exact sum.
+/// Σ ± lengths of the pieces of the product of a moved function with fixed ones, in source space, for s + ds and o +
+/// do: terms of an exact sum.
 fn lengths(source: &Function, targets: &[Function], map: AffineMap, [ds, d_o]: [f64; 2]) -> Vec<f64> {
     let signs = |f: Steps<Point, f64>| Steps { at: f.at, values: f.values.into_iter().map(f64::signum).collect() };
     let mut factors = vec![signs(source.moved(false, |x| Point([x, -d_o, 0.0, 0.0])))];
@@ -119,8 +120,8 @@ fn value(source: &Function, targets: &[Function], map: AffineMap) -> f64 {
     amplitudes(source, targets) * (sum / map.scale().abs())
 }
 
-/// [∂/∂s, ∂/∂o] to the right: D = A N/|s| with N made of lengths that are linear in s and o up to the next kink, so that
-/// ∂D/∂o = A N′/|s|, ∂D/∂s = A (s N′ − N)/(s |s|), and N′ is an exact difference over a step that reaches no kink.
+/// [∂/∂s, ∂/∂o] to the right: D = A N/|s| with N made of lengths that are linear in s and o up to the next kink, so
+/// that ∂D/∂o = A N′/|s|, ∂D/∂s = A (s N′ − N)/(s |s|), and N′ is an exact difference over a step that reaches no kink.
 fn slopes(source: &Function, targets: &[Function], map: AffineMap) -> [f64; 2] {
     let s = map.scale();
     let here = lengths(source, targets, map, [0.0; 2]);
@@ -134,7 +135,8 @@ fn slopes(source: &Function, targets: &[Function], map: AffineMap) -> [f64; 2] {
     [amplitudes * (by_scale / s / s.abs()), amplitudes * change([0.0, 1.0]) / s.abs()]
 }
 
-/// D_ij of the 1D basis for the numbers that `map` holds, to an ε or so of itself, and 0 if and only if it is 0; indices below 2^40.
+/// D_ij of the 1D basis for the numbers that `map` holds, to an ε or so of itself, and 0 if and only if it is 0;
+/// indices below 2^40.
 pub fn exact_coupling_1d(i: usize, j: usize, map: AffineMap) -> f64 {
     value(&Function::haar(i), &[Function::haar(j)], map)
 }

@@ -10,7 +10,10 @@ use crate::affine::exact_sum::exact_product;
 
 /// Affine coupling of two functions φ_p(v) = (2π)^{−1/2} e^{ipv} of the Fourier basis on [0, 2π].
 ///
-///   D_pq(s, o) = ∫₀^{2π} φ_p(sv + o) φ_q*(v) dv = e^{ipo} E(sp − q),    E(x) = (e^{2πix} − 1)/(2πix) = e^{iπx} sin(πx)/(πx)
+/// ```math
+/// D_pq(s, o) = ∫₀^{2π} φ_p(sv + o) φ_q*(v) dv = e^{ipo} E(sp − q),
+/// E(x) = (e^{2πix} − 1)/(2πix) = e^{iπx} sin(πx)/(πx)
+/// ```
 ///
 /// φ_p is not cut off outside [0, 2π]. [Sun 2008, eq. 4.18] has e^{ipo} δ_{sp,q}, which holds only where sp is an
 /// integer: for other s the basis is not closed under the map and every D_pq of a row differs from 0 (docs/errata.md).
@@ -36,7 +39,10 @@ pub fn fourier_coupling(p: i64, q: i64, map: AffineMap) -> Complex<f64> {
 
 /// Affine tripling of three functions of the Fourier basis.
 ///
-///   D_npq(s, o) = ∫₀^{2π} φ_n(sv + o) φ_p(v) φ_q*(v) dv = (2π)^{−1/2} e^{ino} E(sn + p − q) = (2π)^{−1/2} D_{n, q−p}(s, o)
+/// ```math
+/// D_npq(s, o) = ∫₀^{2π} φ_n(sv + o) φ_p(v) φ_q*(v) dv
+///   = (2π)^{−1/2} e^{ino} E(sn + p − q) = (2π)^{−1/2} D_{n, q−p}(s, o)
+/// ```
 ///
 /// with E and D_pq of [`fourier_coupling`]. [Sun 2008, eq. 4.19] has δ_{sn+p,q} for E; see there.
 ///

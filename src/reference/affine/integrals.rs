@@ -63,8 +63,8 @@ pub fn pixel_tripling(size: usize, i: usize, j: usize, k: usize, map: AffineMap)
 
 /// The one-sided derivative of D_ij at (s, o) along `along` = (ds, do), by differences over `step` and half of it.
 ///
-/// D is linear in o and of the form a + b/s in s between its kinks, so 2 Δ(h/2) − Δ(h) is right to O(h²) + O(ε/h) as long as no kink
-/// lies within the step.
+/// D is linear in o and of the form a + b/s in s between its kinks, so 2 Δ(h/2) − Δ(h) is right to O(h²) + O(ε/h) as
+/// long as no kink lies within the step.
 pub fn coupling_slope_1d(i: usize, j: usize, map: AffineMap, along: [f64; 2], step: f64) -> f64 {
     let at = |h: f64| {
         let moved =

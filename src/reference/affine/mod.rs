@@ -1,9 +1,10 @@
 //! Twins of [`affine`](crate::affine): exact integrals of piecewise constant functions, by merging their breakpoints.
 //!
-//! Nothing here knows of the canonical coupling: each basis function is a list of breakpoints and values, the affine map moves the
-//! breakpoints, and an integral is a sum of length times value over the pieces between them. Breakpoints carry 106 bits, so that
-//! what the twin rounds away does not show beside what a fast path in `f64` does. Whether a coefficient is *exactly* zero is
-//! decided in integers (`…_sign_…`, `count_…`); `exact_…` round nothing but their result, whatever the map.
+//! Nothing here knows of the canonical coupling: each basis function is a list of breakpoints and values, the affine
+//! map moves the breakpoints, and an integral is a sum of length times value over the pieces between them. Breakpoints
+//! carry 106 bits, so that what the twin rounds away does not show beside what a fast path in `f64` does. Whether a
+//! coefficient is *exactly* zero is decided in integers (`…_sign_…`, `count_…`); `exact_…` round nothing but their
+//! result, whatever the map.
 
 mod exact;
 mod exact_value;

@@ -6,7 +6,9 @@ pub use crate::affine::pixel::pixel_coupling_slope;
 
 /// Affine coupling of two functions Φ_k = √N · 1 on [k/N, (k + 1)/N) of the orthonormal pixel basis.
 ///
-///   D_ij(s, o) = ∫ Φ_i(sv + o) Φ_j(v) dv = |[b_i, b_{i+1}] ∩ [j, j + 1]|,    b_k = (k − No)/s                  [Sun 2008, §4.4.1]
+/// ```math
+/// D_ij(s, o) = ∫ Φ_i(sv + o) Φ_j(v) dv = |[b_i, b_{i+1}] ∩ [j, j + 1]|,    b_k = (k − No)/s       [Sun 2008, §4.4.1]
+/// ```
 ///
 /// the part of the source pixel, seen from the target, that lies in target pixel j, in pixels. Whether two pixels
 /// overlap is decided exactly for the numbers that `map` holds.
@@ -32,7 +34,9 @@ pub fn pixel_coupling(size: usize, i: usize, j: usize, map: AffineMap) -> f64 {
 
 /// Affine tripling of three functions of the orthonormal pixel basis.
 ///
-///   D_ijk = ∫ Φ_i(sv + o) Φ_j(v) Φ_k(v) dv = √N δ_jk D_ij
+/// ```math
+/// D_ijk = ∫ Φ_i(sv + o) Φ_j(v) Φ_k(v) dv = √N δ_jk D_ij
+/// ```
 ///
 /// by [Sun 2008, eq. 4.14] with C_jjj = √N: the text has 1, for pixels that are not orthonormal (docs/errata.md).
 ///
@@ -108,7 +112,9 @@ pub fn pixel_tripling_nonzeros(size: usize, map: AffineMap) -> impl Iterator<Ite
 
 /// The most non-zero couplings that N pixels can have at this scale, whatever the offset.
 ///
-///   N + min(⌈N·min(|s|, 1/|s|)⌉, N − 1)
+/// ```math
+/// N + min(⌈N·min(|s|, 1/|s|)⌉, N − 1)
+/// ```
 ///
 /// The pieces between all pixel ends of source and target inside what they have in common: an open interval of length w
 /// holds at most ⌈w⌉ ends of a grid of step 1. [Sun 2008, §4.4.1] has min((s + 1)N, (1/s + 1)N), "tight", which the

@@ -3,7 +3,7 @@
 use std::iter::Product;
 
 use crate::affine::{AffineMap, Mother};
-use crate::haar::{Index1d, Index2d, Kind};
+use crate::haar::{Index1d, Index2d, WaveletKind};
 use crate::numeric::CompensatedSum;
 
 /// The number hi + lo with hi = fl(hi + lo): 106 bits, ordered as its parts are.
@@ -113,9 +113,9 @@ impl Function {
             return [Self::mother(Mother::Scaling), Self::mother(Mother::Scaling)];
         };
         let [along_x, along_y] = match kind {
-            Kind::Horizontal => [Mother::Wavelet, Mother::Scaling],
-            Kind::Vertical => [Mother::Scaling, Mother::Wavelet],
-            Kind::Diagonal => [Mother::Wavelet, Mother::Wavelet],
+            WaveletKind::Horizontal => [Mother::Wavelet, Mother::Scaling],
+            WaveletKind::Vertical => [Mother::Scaling, Mother::Wavelet],
+            WaveletKind::Diagonal => [Mother::Wavelet, Mother::Wavelet],
         };
         [Self::member(along_x, level, x), Self::member(along_y, level, y)]
     }

@@ -1,11 +1,13 @@
-//! Twins of [`backend::block_product`](crate::backend::block_product): algorithm 1 [Inger 2013] for one vertex, from the definitions.
+//! Twins of [`backend::block_product`](crate::backend::block_product): algorithm 1 [Inger 2013] for one vertex, from
+//! the definitions.
 //!
-//! Blocks are numbered as [`BlockLayout`](crate::backend::block_product::BlockLayout) numbers them, pixels of a block (x, y) row after row:
-//! no path, no sums that are shared, no tables. Solid angles by quadrature, interpolants by a dense linear solve.
+//! Blocks are numbered as [`BlockLayout`](crate::backend::block_product::BlockLayout) numbers them, pixels of a block
+//! (x, y) row after row: no path, no sums that are shared, no tables. Solid angles by quadrature, interpolants by a
+//! dense linear solve.
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::backend::block_product::Basis;
+use crate::backend::block_product::SampleBasis;
 use crate::numeric::GaussLegendre;
 use crate::reference::sphere::cube_point;
 use crate::sphere::CubeMap;
@@ -19,23 +21,26 @@ pub enum Samples {
     Pixels,
 }
 
-/// Where the samples lie along an edge of `side` pixels: the centres of its equal parts, in pixels from the centre of the first.
+/// Where the samples lie along an edge of `side` pixels: the centres of its equal parts, in pixels from the centre of
+/// the first.
 pub fn positions(side: usize, along: usize) -> Vec<f64> {
     (0..along).map(|k| (k as f64 + 0.5) * side as f64 / along as f64 - 0.5).collect()
 }
 
 /// The value at each pixel (row) that one sample of 1 and the others 0 give (column).
 ///
-///   Σ_uv A_uv b_u(x) b_v(y) = ρ̃(x, y) at the samples              [Inger 2013, eq. 4],
+/// ```math
+/// Σ_uv A_uv b_u(x) b_v(y) = ρ̃(x, y) at the samples              [Inger 2013, eq. 4],
+/// ```
 ///
-/// with b_u(x) = cos((2x + 1)uπ/2N) — the print has cos(2πxu/N), whose equations are singular — or the powers of x, solved for A and
-/// evaluated at the pixels.
-pub fn cardinals(side: usize, along: usize, basis: Basis) -> DMatrix<f64> {
+/// with b_u(x) = cos((2x + 1)uπ/2N) — the print has cos(2πxu/N), whose equations are singular — or the powers of x,
+/// solved for A and evaluated at the pixels.
+pub fn cardinals(side: usize, along: usize, basis: SampleBasis) -> DMatrix<f64> {
     let n = side as f64;
     let function = |u: usize, x: f64| match basis {
-        Basis::Cosine => ((2.0 * x + 1.0) * u as f64 * std::f64::consts::PI / (2.0 * n)).cos(),
+        SampleBasis::Cosine => ((2.0 * x + 1.0) * u as f64 * std::f64::consts::PI / (2.0 * n)).cos(),
         // About the middle of the block and in units of its half, so that the equations are well conditioned.
-        Basis::Polynomial => ((2.0 * x + 1.0) / n - 1.0).powi(u as i32),
+        SampleBasis::Polynomial => ((2.0 * x + 1.0) / n - 1.0).powi(u as i32),
     };
     let both = |term: usize, x: f64, y: f64| function(term % along, x) * function(term / along, y);
     let (at, count) = (positions(side, along), along * along);
@@ -102,8 +107,9 @@ pub fn weighted(light: &CubeMap<Vector3<f32>>) -> Vec<Vector3<f64>> {
     light.texels().iter().enumerate().map(|(i, l)| l.cast() * face[i % face.len()]).collect()
 }
 
-/// Σ L Ω φ_j over a block for the cardinal function φ_j of each of its samples: the weights that a free block's samples are summed with.
-pub fn weights(weighted: &[Vector3<f64>], block: &Block, along: usize, basis: Basis) -> Vec<Vector3<f64>> {
+/// Σ L Ω φ_j over a block for the cardinal function φ_j of each of its samples: the weights that a free block's samples
+/// are summed with.
+pub fn weights(weighted: &[Vector3<f64>], block: &Block, along: usize, basis: SampleBasis) -> Vec<Vector3<f64>> {
     let cardinals = cardinals(block.side, along, basis);
     let weight = |node: usize| (0..cardinals.nrows()).map(|p| weighted[block.texel(p)] * cardinals[(p, node)]).sum();
     (0..along * along).map(weight).collect()
@@ -118,16 +124,17 @@ pub struct Vertex<'a> {
     pub sides: [usize; 2],
     /// The visibility in [0, 1] of a flat texel.
     pub visibility: &'a dyn Fn(usize) -> f64,
-    /// ρ cos at a direction of the world, viewer and frame being given. Below the horizon it is what the caller says: 0, or the continuation
-    /// of what is smooth above.
+    /// ρ cos at a direction of the world, viewer and frame being given. Below the horizon it is what the caller says:
+    /// 0, or the continuation of what is smooth above.
     pub reflectance: &'a dyn Fn(&Vector3<f64>) -> Vector3<f64>,
 }
 
 impl Vertex<'_> {
     /// Σ_blocks Σ_pixels L Ω V ρ̃ by algorithm 1, where ρ̃ interpolates as many samples as `samples` says of a block.
     ///
-    /// A block that is partly hidden has at most 4 samples; if it should have more it is summed at its pixels (line 11).
-    pub fn radiance(&self, basis: Basis, samples: &dyn Fn(usize) -> Samples) -> Vector3<f64> {
+    /// A block that is partly hidden has at most 4 samples; if it should have more it is summed at its pixels (line
+    /// 11).
+    pub fn radiance(&self, basis: SampleBasis, samples: &dyn Fn(usize) -> Samples) -> Vector3<f64> {
         let [grid, side] = self.sides;
         let tables = [1, 2, 4].map(|along| (along, cardinals(side, along, basis)));
         let table = |along: usize| tables.iter().find(|t| t.0 == along).map(|t| &t.1).expect("1, 2 or 4 samples");
@@ -156,13 +163,15 @@ impl Vertex<'_> {
 
 /// The samples of a block under the fixed rule.
 ///
-///   angle between centre and mirror direction:      < π/8      < π/4      beyond      [Inger 2013, appendix A]
-///   exponent below 30                               2          2          1
-///   below 250                                       4          2          1
-///   250 and more                                    pixels     2          1
+/// ```math
+/// angle between centre and mirror direction:      < π/8      < π/4      beyond      [Inger 2013, appendix A]
+/// exponent below 30                               2          2          1
+/// below 250                                       4          2          1
+/// 250 and more                                    pixels     2          1
+/// ```
 ///
-/// The print is silent about 30 and 250 and calls a block near that has its centre near: with `radius` 0 it is so here; with the block's
-/// angular radius a block is near if any of it is.
+/// The print is silent about 30 and 250 and calls a block near that has its centre near: with `radius` 0 it is so here;
+/// with the block's angular radius a block is near if any of it is.
 pub fn fixed_samples(exponent: f64, angle: f64, radius: f64) -> Samples {
     let angle = angle - radius;
     match exponent {

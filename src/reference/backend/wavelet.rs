@@ -28,7 +28,9 @@ pub fn thinned(texels: &[f64], kept: &[u32]) -> Vec<f64> {
 }
 
 /// Σ over the kept coefficients of light × transport, one channel.
-///   radiance = Σ_i L_i T_i                                                                  [Ng 2003, eq. 5]
+/// ```math
+/// radiance = Σ_i L_i T_i                                                                  [Ng 2003, eq. 5]
+/// ```
 /// Shapes: `light` radiance · side² · solid angle of every texel, `transport` visibility · brdf_cos.
 ///
 /// # Panics
@@ -40,7 +42,9 @@ pub fn double_product(light: &[f64], transport: &[f64], kept: &[u32]) -> f64 {
 }
 
 /// Σ over the faces of the mean of light × slice × visibility, one channel, with few coefficients of the first two.
-///   radiance = Σ_ijk L_i B_j V_k C_ijk                                                      [Ng 2004, eq. 4]
+/// ```math
+/// radiance = Σ_ijk L_i B_j V_k C_ijk                                                      [Ng 2004, eq. 4]
+/// ```
 /// Shapes: `light` radiance · side² · solid angle of every texel, `slice` brdf_cos, `visible` a number a texel.
 ///
 /// # Panics

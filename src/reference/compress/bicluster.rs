@@ -15,7 +15,8 @@ pub struct NaiveBicluster {
     pub values: Vec<i64>,
 }
 
-/// t_k of every column of a submatrix: its most frequent non-zero value over the rows, the smallest of equals; 0 if all are zero.
+/// t_k of every column of a submatrix: its most frequent non-zero value over the rows, the smallest of equals; 0 if all
+/// are zero.
 pub fn bicluster_values(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) -> Vec<i64> {
     let value = |&column: &usize| {
         let mut values: Vec<i64> = rows.iter().map(|&row| matrix[row][column]).filter(|&v| v != 0).collect();
@@ -32,7 +33,9 @@ pub fn bicluster_values(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) 
 }
 
 /// The floating-point operations that the bicluster of a submatrix saves.
-///   ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M − B)                              [bi-scale radiance transfer, eq. 9, signs restored]
+/// ```math
+/// ΔW = 2 nnz(M) − (r + 2l − 1) − 2 nnz(M − B)                    [bi-scale radiance transfer, eq. 9, signs restored]
+/// ```
 pub fn bicluster_saving(matrix: &[Vec<i64>], rows: &[usize], columns: &[usize]) -> i64 {
     let values = bicluster_values(matrix, rows, columns);
     let (mut nonzeros, mut residuals) = (0, 0);
@@ -52,8 +55,9 @@ pub fn first_nonzero(matrix: &[Vec<i64>]) -> Option<(usize, usize)> {
 
 /// Algorithm 1: the biclusters in the order in which they are found.
 ///
-/// `seed` chooses a non-zero element of what is left, `None` to end. Of the moves with the largest ΔW the first one in the order of [`BiclusterMove`] and
-/// of ascending indices is made, as long as ΔW grows; a submatrix keeps at least one row and column.
+/// `seed` chooses a non-zero element of what is left, `None` to end. Of the moves with the largest ΔW the first one in
+/// the order of [`BiclusterMove`] and of ascending indices is made, as long as ΔW grows; a submatrix keeps at least one
+/// row and column.
 pub fn bicluster(
     matrix: &[Vec<i64>],
     mut seed: impl FnMut(&[Vec<i64>]) -> Option<(usize, usize)>,

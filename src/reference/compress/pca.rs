@@ -50,7 +50,8 @@ impl NaivePca {
     }
 }
 
-/// Eigenvalues with their eigenvectors, in no order: the largest element off the diagonal is rotated away until none is left [Jacobi 1846].
+/// Eigenvalues with their eigenvectors, in no order: the largest element off the diagonal is rotated away until none is
+/// left [Jacobi 1846].
 pub fn symmetric_eigen(mut a: Vec<Vec<f64>>) -> Vec<(f64, Vec<f64>)> {
     let n = a.len();
     let mut vectors: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(i == j)).collect()).collect();

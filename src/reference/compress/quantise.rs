@@ -7,8 +7,8 @@ pub fn half_value(bits: u16) -> f64 {
     if s == 1 { -magnitude } else { magnitude }
 }
 
-/// The finite binary16 nearest to a number: all of them are tried; of equals the one whose last bit is 0. `None` from 65520 on (beyond the middle between the
-/// largest one and 2^16), and for NaN.
+/// The finite binary16 nearest to a number: all of them are tried; of equals the one whose last bit is 0. `None` from
+/// 65520 on (beyond the middle between the largest one and 2^16), and for NaN.
 pub fn nearest_half(x: f64) -> Option<u16> {
     if !(x.abs() < 65520.0) {
         return None;
@@ -19,7 +19,8 @@ pub fn nearest_half(x: f64) -> Option<u16> {
     Some(sign | nearest)
 }
 
-/// min + (max − min)/255 · q for the q of 0…255 that is nearest, of all numbers with the same block; half a step at most from x.
+/// min + (max − min)/255 · q for the q of 0…255 that is nearest, of all numbers with the same block; half a step at
+/// most from x.
 pub fn bytes(values: &[f64], blocks: &[usize]) -> Vec<f64> {
     let one = |(&x, &block): (&f64, &usize)| {
         let mates = || values.iter().zip(blocks).filter(|mate| *mate.1 == block).map(|mate| *mate.0);

@@ -21,8 +21,8 @@ pub fn varint(x: u64) -> Vec<u8> {
     if x < 128 { vec![x as u8] } else { [vec![(x % 128) as u8 + 128], varint(x / 128)].concat() }
 }
 
-/// The pixels (x, y) of Hilbert's curve of 2^k a side, from the top left to the top right: four smaller curves, the first
-/// and the last transposed about the diagonals so that the ends meet.
+/// The pixels (x, y) of Hilbert's curve of 2^k a side, from the top left to the top right: four smaller curves, the
+/// first and the last transposed about the diagonals so that the ends meet.
 pub fn hilbert(levels: u32) -> Vec<(usize, usize)> {
     let Some(finer) = levels.checked_sub(1) else { return vec![(0, 0)] };
     let (curve, half) = (hilbert(finer), 1 << finer);

@@ -73,7 +73,9 @@ impl<T: Real> NgTree<T> {
 ///
 /// With parent sums s_X (the mean of X over the node) carried down, a node of level l contributes
 ///
-///   s_L Σ_k B_k V_k + s_B Σ_k L_k V_k + s_V Σ_k L_k B_k + 2^l Σ_perm L_h B_v V_d               [Ng et al. 2004, §6.2]
+/// ```math
+/// s_L Σ_k B_k V_k + s_B Σ_k L_k V_k + s_V Σ_k L_k B_k + 2^l Σ_perm L_h B_v V_d               [Ng et al. 2004, §6.2]
+/// ```
 ///
 /// and a subtree where neither L nor B has a detail is skipped: there two of the three details are zero in every term.
 /// Cost: linear in the nodes of L and B and their ancestors.

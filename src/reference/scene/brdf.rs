@@ -65,7 +65,8 @@ pub fn lambert(albedo: f64) -> f64 {
     albedo / PI
 }
 
-/// albedo (n + 2)/2π max(cos α, 0)^n, α between wi and the mirror image of wo, which is wo turned by π about the normal.
+/// albedo (n + 2)/2π max(cos α, 0)^n, α between wi and the mirror image of wo, which is wo turned by π about the
+/// normal.
 pub fn phong(albedo: f64, exponent: f64, a: Angles) -> f64 {
     let cos = Angles { phi_o: a.phi_o + PI, ..a }.cos_between();
     if cos <= 0.0 { 0.0 } else { albedo * (exponent + 2.0) / (2.0 * PI) * (exponent * cos.ln()).exp() }

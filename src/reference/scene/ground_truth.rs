@@ -10,10 +10,10 @@ pub type Reflectance<'a> = dyn Fn(&Vector3<f64>, &Vector3<f64>) -> Vector3<f64> 
 
 /// Σ over all texels of light × visibility × f × max(cos θ_i, 0) × solid angle, for one vertex.
 ///
-/// Directions and solid angles are recomputed here from the cube's geometry; each solid angle by a 24 × 24 Gauss–Legendre
-/// rule over its texel, good to rounding. `frame` is (tangent, bitangent, normal), `wo` the direction
-/// to the viewer in world coordinates, `visibility` gives the weight of a flat texel index, and `brdf` takes wi and wo
-/// in local coordinates.
+/// Directions and solid angles are recomputed here from the cube's geometry; each solid angle by a 24 × 24
+/// Gauss–Legendre rule over its texel, good to rounding. `frame` is (tangent, bitangent, normal), `wo` the direction to
+/// the viewer in world coordinates, `visibility` gives the weight of a flat texel index, and `brdf` takes wi and wo in
+/// local coordinates.
 pub fn radiance(
     light: &CubeMap<Vector3<f32>>,
     visibility: &dyn Fn(usize) -> f64,

@@ -38,12 +38,14 @@ pub fn occluded(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>, ba
     closest_hit(mesh, origin, direction, back_faces).is_some()
 }
 
-/// Whether a vertex sees a direction, for rays that start infinitely near it: the limit that an offset from the surface stands for.
+/// Whether a vertex sees a direction, for rays that start infinitely near it: the limit that an offset from the surface
+/// stands for.
 ///
-/// The ray starts at v + εs, ε → 0⁺, with s the normal plus a direction into the vertex's own faces along the surface. Every
-/// quantity that decides whether it meets a face is linear in ε, so its sign is that of its value at ε = 0 or, where that is
-/// exactly 0, of its derivative. No length is chosen and nothing is left out: the faces around v count as they look from just above
-/// them, those that touch v likewise, and all others as seen from v itself. Below the horizon (n·ω ≤ 0) nothing is seen.
+/// The ray starts at v + εs, ε → 0⁺, with s the normal plus a direction into the vertex's own faces along the surface.
+/// Every quantity that decides whether it meets a face is linear in ε, so its sign is that of its value at ε = 0 or,
+/// where that is exactly 0, of its derivative. No length is chosen and nothing is left out: the faces around v count as
+/// they look from just above them, those that touch v likewise, and all others as seen from v itself. Below the horizon
+/// (n·ω ≤ 0) nothing is seen.
 ///
 /// # Panics
 /// If `vertex` is out of range.
@@ -60,8 +62,8 @@ pub fn sees(mesh: &Mesh, vertex: usize, direction: &Vector3<f64>, back_faces: Ba
     })
 }
 
-/// The direction s in which the rays of a vertex leave it: its normal, and the mean of the directions to the centres of its
-/// faces along the surface.
+/// The direction s in which the rays of a vertex leave it: its normal, and the mean of the directions to the centres of
+/// its faces along the surface.
 fn off_surface(mesh: &Mesh, vertex: usize) -> Vector3<f64> {
     let (position, normal) = (mesh.positions()[vertex].cast::<f64>(), mesh.normals()[vertex].cast::<f64>());
     let own = (0..mesh.faces().len()).filter(|&face| mesh.faces()[face].contains(&(vertex as u32)));
@@ -109,7 +111,8 @@ mod tests {
         assert!(!occluded(&mesh, &Vector3::new(0.6, 0.6, 2.0), &down, BackFaces::Occlude));
     }
 
-    /// A wedge of two walls on a floor's edge, and a floor vertex at its foot: hidden up to the wall, whichever way it leans.
+    /// A wedge of two walls on a floor's edge, and a floor vertex at its foot: hidden up to the wall, whichever way it
+    /// leans.
     #[test]
     fn a_vertex_at_the_foot_of_a_wall() {
         for lean in [-0.5, 0.0, 0.4] {

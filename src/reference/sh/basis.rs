@@ -8,7 +8,9 @@ use nalgebra::{Matrix3, UnitVector3, Vector3};
 ///
 /// Recurrence in the order m at fixed degree, downwards from p_l, the direction in which it is stable:
 ///
-///   √((l+m)(l−m+1)) p_{m−1} = 2 m z p_m − (1 − z²) √((l−m)(l+m+1)) p_{m+1}
+/// ```math
+/// √((l+m)(l−m+1)) p_{m−1} = 2 m z p_m − (1 − z²) √((l−m)(l+m+1)) p_{m+1}
+/// ```
 ///
 /// It follows from P^{m+1} = 2 m z/√(1−z²) P^m − (l+m)(l−m+1) P^{m−1}. The fast path recurs in l at fixed m instead.
 /// `across2` is 1 − z², passed apart because it is the better known of the two near the poles.
@@ -27,7 +29,9 @@ pub fn associated_legendre(l: usize, z: f64, across2: f64) -> Vec<f64> {
 
 /// y_{l,m} at a direction: real, orthonormal, no Condon–Shortley phase.
 ///
-///   y_{l,0} = N P_l,  y_{l,m} = √2 N P_l^m cos mφ,  y_{l,−m} = √2 N P_l^m sin mφ  (m > 0)
+/// ```math
+/// y_{l,0} = N P_l,  y_{l,m} = √2 N P_l^m cos mφ,  y_{l,−m} = √2 N P_l^m sin mφ  (m > 0)
+/// ```
 pub fn basis_function(l: usize, m: isize, direction: &UnitVector3<f64>) -> f64 {
     let d = direction.normalize();
     let across = d.x.hypot(d.y);

@@ -165,8 +165,8 @@ pub fn optimal_linear(f: &[f64]) -> [f64; 2] {
     [exp[0] / one(), dot(&exp, &hat) / dot(&hat, &hat)]
 }
 
-/// Coefficients of the function that is 0 within `theta` of `axis` and 1 elsewhere, by quadrature from the disc's edge on
-/// [Sun 2008, eq. 5.36].
+/// Coefficients of the function that is 0 within `theta` of `axis` and 1 elsewhere, by quadrature from the disc's edge
+/// on [Sun 2008, eq. 5.36].
 pub fn cap_visibility(bands: usize, axis: &UnitVector3<f64>, theta: f64) -> Vec<f64> {
     let gauss = GaussLegendre::new(2 * bands + 2).expect("at least one node");
     let around =
@@ -193,8 +193,8 @@ fn turned(zonal: &[f64], axis: &UnitVector3<f64>) -> Vec<f64> {
         .collect()
 }
 
-/// Coefficients of the function that is 0 within any of the discs (axis, θ) and 1 elsewhere, by `rings` rings of 2·`rings` points: good
-/// to some 1/`rings`^{3/2}, as the edges are where they are.
+/// Coefficients of the function that is 0 within any of the discs (axis, θ) and 1 elsewhere, by `rings` rings of
+/// 2·`rings` points: good to some 1/`rings`^{3/2}, as the edges are where they are.
 pub fn union_visibility(bands: usize, discs: &[(UnitVector3<f64>, f64)], rings: usize) -> Vec<f64> {
     let gauss = GaussLegendre::new(rings).expect("at least one ring");
     let mut out = vec![0.0; bands * bands];

@@ -14,17 +14,19 @@ pub fn irradiance(radiance: &[f64], normal: &UnitVector3<f64>) -> f64 {
     hemisphere.iter().zip(radiance).map(|(h, l)| h * l).sum()
 }
 
-/// L_H(N) = L ∗ H(N), truncated: the product of an expansion with H(N) = 1/π ∫ max(s · N, 0) y ds of `bands_cosine` bands.
+/// L_H(N) = L ∗ H(N), truncated: the product of an expansion with H(N) = 1/π ∫ max(s · N, 0) y ds of `bands_cosine`
+/// bands.
 pub fn diffuse_light(light: &[f64], bands_cosine: usize, normal: &UnitVector3<f64>, bands_out: usize) -> Vec<f64> {
     let h = project_cap(bands_cosine, normal, FRAC_PI_2, 1, |d| d.dot(normal) / PI);
     product(light, &h, bands_out)
 }
 
-/// ∫ y_i dω over the directions in which a polygon is seen from the origin, above the plane of `horizon` if there is one.
+/// ∫ y_i dω over the directions in which a polygon is seen from the origin, above the plane of `horizon` if there is
+/// one.
 ///
-/// Vertices of a polygon in a plane, of any shape; signed, positive where they run counterclockwise around an outward ray. The triangles
-/// (v_0, v_i, v_{i+1}) are cut into 4^`levels` and integrated in their plane by 12 × 12 points each: smooth integrands to
-/// rounding, those that the horizon cuts to about 2^−levels of a triangle.
+/// Vertices of a polygon in a plane, of any shape; signed, positive where they run counterclockwise around an outward
+/// ray. The triangles (v_0, v_i, v_{i+1}) are cut into 4^`levels` and integrated in their plane by 12 × 12 points each:
+/// smooth integrands to rounding, those that the horizon cuts to about 2^−levels of a triangle.
 pub fn polygon(bands: usize, vertices: &[Vector3<f64>], horizon: Option<Vector3<f64>>, levels: u32) -> Vec<f64> {
     let mut out = vec![0.0; bands * bands];
     // It calls itself so often: 4^12 triangles take hours anyhow.

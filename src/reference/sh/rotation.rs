@@ -20,7 +20,8 @@ fn rule(degree: usize) -> Vec<(UnitVector3<f64>, f64)> {
     nodes
 }
 
-/// M_ij = ∫ y_i(Rω) y_j(ω) dω, a row-major block for each degree below `bands`: y(Rω) = M y(ω), and M f are the coefficients of f(R⁻¹ω).
+/// M_ij = ∫ y_i(Rω) y_j(ω) dω, a row-major block for each degree below `bands`: y(Rω) = M y(ω), and M f are the
+/// coefficients of f(R⁻¹ω).
 pub fn rotation(bands: usize, rotation: &Rotation3<f64>) -> Vec<Vec<f64>> {
     let mut blocks: Vec<_> = (0..bands).map(|l| vec![0.0; (2 * l + 1) * (2 * l + 1)]).collect();
     for (d, weight) in rule(2 * bands) {

@@ -22,8 +22,8 @@ pub fn legendre(l: usize, angle: f64) -> f64 {
 
 /// k_l = 2π ∫ f(θ) P_l(cos θ) sin θ dθ, l < `bands`, over θ from `breaks[0]` to the last of them.
 ///
-/// Panels shrink by halves towards every break, so that a jump, a kink or a root of θ there, or a narrow peak, costs no accuracy:
-/// about 1e-14 of ∫ |f|.
+/// Panels shrink by halves towards every break, so that a jump, a kink or a root of θ there, or a narrow peak, costs no
+/// accuracy: about 1e-14 of ∫ |f|.
 pub fn zonal_factors(bands: usize, breaks: &[f64], f: impl Fn(f64) -> f64) -> Vec<f64> {
     let rule = GaussLegendre::new(24).expect("nodes");
     let mut sums = vec![0.0; bands];
@@ -45,7 +45,8 @@ pub fn zonal_factors(bands: usize, breaks: &[f64], f: impl Fn(f64) -> f64) -> Ve
     sums
 }
 
-/// ∫ f(ω) y_i(ω) dω, all i of `bands`, over the directions within `half_angle` of an axis, by a rule exact for f of `degree`.
+/// ∫ f(ω) y_i(ω) dω, all i of `bands`, over the directions within `half_angle` of an axis, by a rule exact for f of
+/// `degree`.
 ///
 /// Gauss–Legendre in the cosine and equidistant points in azimuth, both about the axis.
 pub fn project_cap(

@@ -2,8 +2,8 @@
 
 use crate::numeric::GaussLegendre;
 
-/// The share of a square of edge `edge` around the origin where n·q + distance ≥ 0, by cutting the polygon; n is a unit normal
-/// (cos, sin of `angle`).
+/// The share of a square of edge `edge` around the origin where n·q + distance ≥ 0, by cutting the polygon; n is a unit
+/// normal (cos, sin of `angle`).
 pub fn half_plane_coverage(distance: f64, edge: f64, angle: f64) -> f64 {
     let h = 0.5 * edge;
     let square = [[-h, -h], [h, -h], [h, h], [-h, h]];
@@ -37,8 +37,8 @@ pub fn mean_coverage(distance: f64, edge: f64) -> f64 {
     (part(0.0, turn) + part(turn, FRAC_PI_4)) / FRAC_PI_4
 }
 
-/// Equation 9 of [Xu 2006] as it is printed, min(1, max(0, (√2 r + D)/(√2 r))), with √2 r read as the edge: 1 where the centre is on the
-/// boundary.
+/// Equation 9 of [Xu 2006] as it is printed, min(1, max(0, (√2 r + D)/(√2 r))), with √2 r read as the edge: 1 where the
+/// centre is on the boundary.
 pub fn printed_coverage(distance: f64, edge: f64) -> f64 {
     ((edge + distance) / edge).clamp(0.0, 1.0)
 }

@@ -11,8 +11,9 @@ pub fn summed_area(width: usize, height: usize, samples: &[f64]) -> Vec<f64> {
     (0..=height).flat_map(|r| (0..=width).map(move |c| entry(r, c))).collect()
 }
 
-/// ∫ f over [left, right] × [top, bottom], f constant on each pixel and 0 outside; with `wrap` along an axis it repeats for ever.
-/// Each pixel counts by the length of it that is inside along x times that along y; inverted bounds count negative.
+/// ∫ f over [left, right] × [top, bottom], f constant on each pixel and 0 outside; with `wrap` along an axis it repeats
+/// for ever. Each pixel counts by the length of it that is inside along x times that along y; inverted bounds count
+/// negative.
 ///
 /// Bounds must be finite, and with `wrap` not many images away.
 pub fn rectangle_sum(

@@ -1,7 +1,7 @@
 //! Distances to the boundary of a binary map.
 
-/// ±(2d)², + where the map is 1: d is the distance from the centre of a pixel to the closed unit square of the nearest unlike one, by
-/// looking at them all. `None` without one. With `zeros_outside` a ring of zeros surrounds the map.
+/// ±(2d)², + where the map is 1: d is the distance from the centre of a pixel to the closed unit square of the nearest
+/// unlike one, by looking at them all. `None` without one. With `zeros_outside` a ring of zeros surrounds the map.
 pub fn signed_squares(width: usize, height: usize, map: &[bool], zeros_outside: bool) -> Vec<Option<i64>> {
     let ring = i64::from(zeros_outside);
     let (w, h) = (width as i64, height as i64);

@@ -9,9 +9,12 @@ use crate::Result;
 
 /// The anisotropic Phong model of Ashikhmin and Shirley (2000), with its diffuse term.
 ///
-///   specular = √((n_u + 1)(n_v + 1))/8π · (h·n)^((n_u h_x² + n_v h_y²)/(1 − h_z²)) / (wo·h max(cos θ_i, cos θ_o)) · F(wo·h)
-///   diffuse  = 28/23π · R_d (1 − R_s)(1 − (1 − cos θ_i/2)⁵)(1 − (1 − cos θ_o/2)⁵)
-///   F = R_s + (1 − R_s)(1 − wo·h)⁵
+/// ```math
+/// specular = √((n_u + 1)(n_v + 1))/8π · (h·n)^((n_u h_x² + n_v h_y²)/(1 − h_z²))
+///   / (wo·h max(cos θ_i, cos θ_o)) · F(wo·h)
+/// diffuse  = 28/23π · R_d (1 − R_s)(1 − (1 − cos θ_i/2)⁵)(1 − (1 − cos θ_o/2)⁵)
+/// F = R_s + (1 − R_s)(1 − wo·h)⁵
+/// ```
 ///
 /// Reciprocal. ∫ specular cos ≤ F, for cos θ_i ≤ max(…) and the lobe integrates to one over the half vectors. f itself
 /// grows without bound as wi → −wo along the horizon; it is held at the largest finite number.

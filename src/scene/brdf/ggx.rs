@@ -5,20 +5,22 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local};
+use super::lobe::{self, KernelVisitor, Lobe, LobeModel, Shape};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, check_albedo, check_roughness, half_vector, is_poisoned, off_surface,
-    plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, check_albedo, check_roughness, half_vector, off_surface, split_colour,
 };
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// Cook and Torrance's microfacet model with the anisotropic GGX distribution.
 ///
-///   f = D(h) F(wo·h) G₂(wi, wo) / (4 cos θ_i cos θ_o)
-///   D = 1 / (π α_x α_y (h_x²/α_x² + h_y²/α_y² + h_z²)²)                                 [Walter 2007]
-///   G₂/(4 cos θ_i cos θ_o) = 1 / (2 (cos θ_o λ(wi) + cos θ_i λ(wo))),
-///   λ(w) = √(α_x² w_x² + α_y² w_y² + w_z²)                                               [Heitz 2014]
-///   F = F₀ + (1 − F₀)(1 − wo·h)⁵                                                         [Schlick 1994]
+/// ```math
+/// f = D(h) F(wo·h) G₂(wi, wo) / (4 cos θ_i cos θ_o)
+/// D = 1 / (π α_x α_y (h_x²/α_x² + h_y²/α_y² + h_z²)²)                                 [Walter 2007]
+/// G₂/(4 cos θ_i cos θ_o) = 1 / (2 (cos θ_o λ(wi) + cos θ_i λ(wo))),
+/// λ(w) = √(α_x² w_x² + α_y² w_y² + w_z²)                                               [Heitz 2014]
+/// F = F₀ + (1 − F₀)(1 − wo·h)⁵                                                         [Schlick 1994]
+/// ```
 ///
 /// Reciprocal. Single scattering: the directional albedo is below 1, and the rougher the surface the further below.
 /// An F₀ of three equal channels has a colour, white; another one has none, since F goes to white at grazing angles.
@@ -70,26 +72,6 @@ impl CookTorrance {
     pub fn alpha(&self) -> [f64; 2] {
         self.alpha
     }
-
-    /// The factor of the [`facets`](Self::facets).
-    pub(crate) fn constant(&self) -> f64 {
-        0.5 / (PI * self.alpha[0] * self.alpha[1])
-    }
-
-    /// None if the viewer is below the horizon.
-    pub(crate) fn facets(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<Reflectance> {
-        let facets = Facets {
-            local: Local::new(axes, wo)?,
-            alpha2: self.alpha.map(|a| (a * a) as f32),
-            inverse: self.alpha.map(|a| (1.0 / a) as f32),
-            lambda: self.lambda(&axes.to_local(wo)) as f32,
-        };
-        Some(if self.grey() {
-            Reflectance::Grey(Grey { facets, f0: self.f0.x as f32 })
-        } else {
-            Reflectance::Coloured(Coloured { facets, f0: kernel::narrow(&self.f0) })
-        })
-    }
 }
 
 impl Brdf for CookTorrance {
@@ -111,27 +93,50 @@ impl Brdf for CookTorrance {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::CookTorrance(self)
+        Structure::Lobe(Lobe::CookTorrance(*self))
     }
 
     fn is_isotropic(&self) -> bool {
         self.alpha[0] == self.alpha[1]
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
-        if is_poisoned(frame, wo, out) {
-            return;
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        lobe::add_cos(self, frame, wo, directions, scale, out);
+    }
+}
+
+impl LobeModel for CookTorrance {
+    fn tint(&self) -> Vector3<f64> {
+        Vector3::repeat(1.0)
+    }
+
+    fn constant(&self) -> f64 {
+        0.5 / (PI * self.alpha[0] * self.alpha[1])
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Microfacets { alpha: self.alpha, f0: self.f0 }
+    }
+
+    fn reshaped(&self, shape: Shape) -> Result<Self> {
+        match shape {
+            Shape::Microfacets { alpha: [x, y], f0 } => Self::new(f0, x, y),
+            _ => lobe::foreign("Cook and Torrance's model", shape),
         }
-        let axes = Axes::new(frame);
-        plane_count(self.grey(), directions.len(), out.len());
-        let Some(facets) = self.facets(&axes, wo) else { return };
-        let constant = scale * self.constant();
-        match facets {
-            Reflectance::Grey(kernel) => {
-                kernel::add_scalar(kernel, &axes, directions, (Vector3::repeat(1.0), constant), out);
-            }
-            Reflectance::Coloured(kernel) => kernel::add_rgb(kernel, &axes, directions, [constant as f32; 3], out),
-        }
+    }
+
+    fn visit<V: KernelVisitor>(&self, axes: &Axes, wo: &Vector3<f64>, visitor: V) -> Option<V::Output> {
+        let facets = Facets {
+            local: Local::new(axes, wo)?,
+            alpha2: self.alpha.map(|a| (a * a) as f32),
+            inverse: self.alpha.map(|a| (1.0 / a) as f32),
+            lambda: self.lambda(&axes.to_local(wo)) as f32,
+        };
+        Some(if self.grey() {
+            visitor.visit(Schlick { facets, f0: [self.f0.x as f32] })
+        } else {
+            visitor.visit(Schlick { facets, f0: kernel::narrow(&self.f0) })
+        })
     }
 }
 
@@ -163,61 +168,17 @@ impl Facets {
     }
 }
 
-/// One channel or three.
+/// The facets' lobe times Schlick's reflectance, for one channel or three.
 #[derive(Clone, Copy)]
-pub(crate) enum Reflectance {
-    Grey(Grey),
-    Coloured(Coloured),
-}
-
-#[derive(Clone, Copy)]
-pub(crate) struct Grey {
+struct Schlick<const N: usize> {
     facets: Facets,
-    f0: f32,
+    f0: [f32; N],
 }
 
-impl Grey {
+impl<const N: usize> Kernel<N> for Schlick<N> {
     #[inline(always)]
-    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; 1] {
-        let (value, grazing) = self.facets.parts(d, up, z);
-        [value * (self.f0 + (1.0 - self.f0) * grazing)]
-    }
-}
-
-impl Kernel<1> for Grey {
-    #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        self.at(d, z, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        self.at(d, kernel::above(z), z)
-    }
-}
-
-#[derive(Clone, Copy)]
-pub(crate) struct Coloured {
-    facets: Facets,
-    f0: [f32; 3],
-}
-
-impl Coloured {
-    #[inline(always)]
-    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; 3] {
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; N] {
         let (value, grazing) = self.facets.parts(d, up, z);
         self.f0.map(|f0| value * (f0 + (1.0 - f0) * grazing))
-    }
-}
-
-impl Kernel<3> for Coloured {
-    #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
-        self.at(d, z, z)
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 3] {
-        self.at(d, kernel::above(z), z)
     }
 }

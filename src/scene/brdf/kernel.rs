@@ -8,34 +8,26 @@ use nalgebra::Vector3;
 use super::{Axes, Brdf, DirectionTable, plane_count, split_colour};
 use crate::sphere::Face;
 
-/// N values (1 = the scalar s, 3 = RGB) of f · cos θ_i for one direction.
-///
-/// `d` is the direction in world coordinates, `z` = n·d its cosine. Values for z ≤ 0 are thrown away; they may be
-/// anything.
+/// N values (1 = the scalar s, 3 = RGB) of a lobe: f · cos θ_i but for a constant factor.
 pub(crate) trait Kernel<const N: usize>: Copy {
-    /// Whether values for z ≤ 0 go on as smoothly as above.
+    /// Whether the lobe does not end at the horizon: `up` then is not read.
+    #[allow(dead_code, reason = "for those back ends that sample lobes across the horizon")]
     const SMOOTH: bool = false;
-    /// Whether a reflectance that is nearly constant is to be told apart from the cosine; see [`apart`](Self::apart).
+    /// Whether a reflectance that is nearly constant is to be told apart from the cosine.
+    #[allow(dead_code, reason = "for those back ends that sample lobes across the horizon")]
     const APART: bool = false;
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; N];
-    /// The same for z > 0; below the horizon z times the reflectance at it, so that neither value nor slope jumps: what
-    /// lies between samples on both sides is smooth where it counts.
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; N];
-    /// f without the cosine, at the horizon for what is below it.
-    fn apart(&self, d: [f32; 3], z: f32) -> [f32; N] {
-        self.continued(d, z)
-    }
+
+    /// f at cosine `up`, times `z`.
+    ///
+    /// `d` is the direction in world coordinates. With n·d for both this is f · cos θ_i, and anything below the
+    /// horizon. With `up` = max(n·d, 0) the reflectance at the horizon goes on below it, so that neither value nor
+    /// slope jumps; with z = 1 it is f without the cosine.
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; N];
 }
 
 #[inline(always)]
 pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// z, or 0 below the horizon: one instruction, as NaN does not matter.
-#[inline(always)]
-pub(super) fn above(z: f32) -> f32 {
-    if z > 0.0 { z } else { 0.0 }
 }
 
 pub(crate) fn narrow(v: &Vector3<f64>) -> [f32; 3] {
@@ -70,39 +62,21 @@ impl Local {
     }
 }
 
-/// Runs a scalar kernel times `colour`, into one plane or three.
-///
-/// `scale` and the model's constants are folded into `strength`.
-pub(super) fn add_scalar<K: Kernel<1>>(
+/// Adds a kernel times a colour and its strength over a table of directions, into one plane or three.
+pub(super) fn add<const N: usize, K: Kernel<N>>(
     kernel: K,
     axes: &Axes,
     directions: &DirectionTable,
-    factor: (Vector3<f64>, f64),
+    (colour, strength): (Vector3<f64>, f64),
     out: &mut [f32],
 ) {
-    let (colour, strength) = factor;
-    let n = directions.len();
     let normal = narrow(&axes.normal);
-    if plane_count(true, n, out.len()) == 1 {
-        let weight = strength as f32;
-        directions.arch.dispatch(One { kernel, normal, directions, weight, out });
+    if plane_count(N == 1, directions.len(), out.len()) == 1 {
+        directions.arch.dispatch(One::<N, K> { kernel, normal, directions, weight: strength as f32, out });
     } else {
         let weights = narrow(&(colour * strength));
-        directions.arch.dispatch(Three::<1, K> { kernel, normal, directions, weights, out });
+        directions.arch.dispatch(Three::<N, K> { kernel, normal, directions, weights, out });
     }
-}
-
-/// Runs an RGB kernel into three planes, each times its weight.
-pub(super) fn add_rgb<K: Kernel<3>>(
-    kernel: K,
-    axes: &Axes,
-    directions: &DirectionTable,
-    weights: [f32; 3],
-    out: &mut [f32],
-) {
-    plane_count(false, directions.len(), out.len());
-    let normal = narrow(&axes.normal);
-    directions.arch.dispatch(Three::<3, K> { kernel, normal, directions, weights, out });
 }
 
 /// Whether no direction of a row of the grid is above the horizon.
@@ -118,7 +92,7 @@ fn row_is_below(normal: [f32; 3], [x, y, z]: [&[f32]; 3]) -> bool {
 // The jobs are types and not closures on purpose: `pulp` compiles for an instruction set what is inlined into its
 // dispatch, and a closure with a large body is not, whatever is inlined into the closure.
 
-struct One<'a, K> {
+struct One<'a, const N: usize, K> {
     kernel: K,
     normal: [f32; 3],
     directions: &'a DirectionTable,
@@ -126,7 +100,7 @@ struct One<'a, K> {
     out: &'a mut [f32],
 }
 
-impl<K: Kernel<1>> pulp::WithSimd for One<'_, K> {
+impl<const N: usize, K: Kernel<N>> pulp::WithSimd for One<'_, N, K> {
     type Output = ();
 
     #[inline(always)]
@@ -153,7 +127,13 @@ impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Three<'_, N, K> {
 }
 
 #[inline(always)]
-fn sweep_one<K: Kernel<1>>(kernel: K, normal: [f32; 3], table: &DirectionTable, weight: f32, out: &mut [f32]) {
+fn sweep_one<const N: usize, K: Kernel<N>>(
+    kernel: K,
+    normal: [f32; 3],
+    table: &DirectionTable,
+    weight: f32,
+    out: &mut [f32],
+) {
     let side = table.grid().side();
     for (f, face) in Face::ALL.into_iter().enumerate() {
         if DirectionTable::face_is_below(face, normal) {
@@ -170,10 +150,16 @@ fn sweep_one<K: Kernel<1>>(kernel: K, normal: [f32; 3], table: &DirectionTable, 
 }
 
 #[inline(always)]
-fn row_one<K: Kernel<1>>(kernel: K, normal: [f32; 3], weight: f32, [x, y, z]: [&[f32]; 3], out: &mut [f32]) {
+fn row_one<const N: usize, K: Kernel<N>>(
+    kernel: K,
+    normal: [f32; 3],
+    weight: f32,
+    [x, y, z]: [&[f32]; 3],
+    out: &mut [f32],
+) {
     for (((&x, &y), &z), out) in x.iter().zip(y).zip(z).zip(out) {
         let cos = dot(normal, [x, y, z]);
-        let [value] = kernel.value([x, y, z], cos);
+        let value = kernel.at([x, y, z], cos, cos)[0];
         *out += if cos > 0.0 { weight * value } else { 0.0 };
     }
 }
@@ -237,7 +223,7 @@ fn row_three<const N: usize, K: Kernel<N>>(
 fn fill_one<const N: usize, K: Kernel<N>>(kernel: K, normal: [f32; 3], [x, y, z]: [&[f32]; 3], out: &mut [f32]) {
     for (((&x, &y), &z), out) in x.iter().zip(y).zip(z).zip(out) {
         let cos = dot(normal, [x, y, z]);
-        let value = kernel.value([x, y, z], cos)[0];
+        let value = kernel.at([x, y, z], cos, cos)[0];
         *out = if cos > 0.0 { value } else { 0.0 };
     }
 }
@@ -252,7 +238,7 @@ fn fill_three<const N: usize, K: Kernel<N>>(
     let planes = red.iter_mut().zip(green).zip(blue);
     for (((&x, &y), &z), ((red, green), blue)) in x.iter().zip(y).zip(z).zip(planes) {
         let cos = dot(normal, [x, y, z]);
-        let value = kernel.value([x, y, z], cos);
+        let value = kernel.at([x, y, z], cos, cos);
         *red = if cos > 0.0 { value[0] } else { 0.0 };
         *green = if cos > 0.0 { value[1 % N] } else { 0.0 };
         *blue = if cos > 0.0 { value[2 % N] } else { 0.0 };
@@ -263,64 +249,6 @@ fn fill_three<const N: usize, K: Kernel<N>>(
 fn add_scaled(weight: f32, values: &[f32], out: &mut [f32]) {
     for (out, value) in out.iter_mut().zip(values) {
         *out += weight * value;
-    }
-}
-
-/// Any BRDF as a kernel, in `f64`.
-#[derive(Clone, Copy)]
-pub(crate) struct Eval<'a> {
-    pub(crate) brdf: &'a dyn Brdf,
-    pub(crate) axes: &'a Axes,
-    /// The direction to the viewer in the frame of `axes`.
-    pub(crate) wo: Vector3<f64>,
-}
-
-impl Eval<'_> {
-    fn reflectance(&self, d: [f32; 3]) -> (Vector3<f64>, f64) {
-        let wi = self.axes.to_local(&Vector3::from(d).cast());
-        // What the closure is asked for lies above the horizon.
-        let lifted = if wi.z > 0.0 { wi } else { Vector3::new(wi.x, wi.y, 1e-6).normalize() };
-        (self.brdf.eval(&lifted, &self.wo), wi.z)
-    }
-}
-
-impl Kernel<3> for Eval<'_> {
-    const APART: bool = true;
-
-    #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 3] {
-        if z <= 0.0 {
-            return [0.0; 3];
-        }
-        let wi = self.axes.to_local(&Vector3::from(d).cast());
-        narrow(&(self.brdf.eval(&wi, &self.wo) * wi.z))
-    }
-
-    fn continued(&self, d: [f32; 3], _: f32) -> [f32; 3] {
-        let (f, z) = self.reflectance(d);
-        narrow(&(f * z))
-    }
-
-    fn apart(&self, d: [f32; 3], _: f32) -> [f32; 3] {
-        narrow(&self.reflectance(d).0)
-    }
-}
-
-/// Lambert's cosine, without albedo/π.
-#[derive(Clone, Copy)]
-pub(crate) struct Cosine;
-
-impl Kernel<1> for Cosine {
-    const SMOOTH: bool = true;
-
-    #[inline(always)]
-    fn value(&self, _: [f32; 3], z: f32) -> [f32; 1] {
-        [z]
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        self.value(d, z)
     }
 }
 
@@ -367,7 +295,9 @@ pub(super) fn scaled(rgb: &Vector3<f64>, scale: f64, constant: f64) -> (Vector3<
 
 /// log₂(1 + t) for t ∈ (−1, ∞), normal numbers; t = −1 gives −127, not −∞.
 ///
-///   1 + t = 2^k (1 + u), √½ ≤ 1 + u < √2;  log₂(1 + u) = (2/ln 2) artanh(u/(2 + u))
+/// ```math
+/// 1 + t = 2^k (1 + u), √½ ≤ 1 + u < √2;  log₂(1 + u) = (2/ln 2) artanh(u/(2 + u))
+/// ```
 ///
 /// The series of artanh breaks off after s⁹/9, s ≤ 0.172: 2e-9 relative. For k = 0, u is t itself, so that small t keep
 /// their relative precision. Accuracy: relative error ≤ 3 ε (measured in the tests).
@@ -388,7 +318,9 @@ pub(super) fn log2_1p(t: f32) -> f32 {
 
 /// 2^y for y ≤ 127; 0 for y ≤ −126.
 ///
-///   y = k + r, |r| ≤ ½;  2^r = Σ_{j ≤ 7} (r ln 2)^j / j!
+/// ```math
+/// y = k + r, |r| ≤ ½;  2^r = Σ_{j ≤ 7} (r ln 2)^j / j!
+/// ```
 ///
 /// The series' remainder is 5e-9. Accuracy: relative error ≤ 2 ε (measured in the tests).
 #[inline(always)]
@@ -417,7 +349,7 @@ pub(super) fn exp2(y: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{CookTorrance, Frame, Phong};
+    use crate::scene::{CookTorrance, LocalFrame, Phong};
     use crate::sphere::CubeGrid;
 
     const EPS: f64 = f32::EPSILON as f64;
@@ -472,7 +404,7 @@ mod tests {
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
-        let frame = Frame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() };
+        let frame = LocalFrame { tangent: Vector3::z(), bitangent: Vector3::x(), normal: Vector3::y() };
         let wo = Vector3::new(0.3, 0.8, -0.2).normalize();
         for side in [1, 7, 32] {
             let fast = DirectionTable::new(CubeGrid::new(side).unwrap());

@@ -4,14 +4,17 @@ use std::f64::consts::FRAC_1_PI;
 
 use nalgebra::Vector3;
 
-use super::kernel::{self, Cosine};
-use super::{Axes, Brdf, DirectionTable, Structure, check_albedo, is_poisoned, off_surface, split_colour};
+use super::kernel::Kernel;
+use super::lobe::{self, KernelVisitor, Lobe, LobeModel, Shape};
+use super::{Axes, Brdf, DirectionTable, Structure, check_albedo, off_surface, split_colour};
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// The ideal diffuse surface.
 ///
-///   f = albedo / π
+/// ```math
+/// f = albedo / π
+/// ```
 ///
 /// Accuracy of `add_cos`: absolute error ≤ 4 ε_f32 · albedo/π against `eval` times the cosine.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,11 +37,6 @@ impl Lambert {
     pub fn albedo(&self) -> Vector3<f64> {
         self.albedo
     }
-
-    /// Albedo/π.
-    pub(crate) fn factor(&self) -> Vector3<f64> {
-        self.albedo * FRAC_1_PI
-    }
 }
 
 impl Brdf for Lambert {
@@ -51,7 +49,7 @@ impl Brdf for Lambert {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lambert(self)
+        Structure::Lobe(Lobe::Lambert(*self))
     }
 
     fn is_isotropic(&self) -> bool {
@@ -62,13 +60,45 @@ impl Brdf for Lambert {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
-        if is_poisoned(frame, wo, out) {
-            return;
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        lobe::add_cos(self, frame, wo, directions, scale, out);
+    }
+}
+
+impl LobeModel for Lambert {
+    fn tint(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    fn constant(&self) -> f64 {
+        FRAC_1_PI
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Cosine
+    }
+
+    fn reshaped(&self, shape: Shape) -> Result<Self> {
+        match shape {
+            Shape::Cosine => Ok(*self),
+            _ => lobe::foreign("Lambert's law", shape),
         }
-        let axes = Axes::new(frame);
-        let factor = kernel::scaled(&self.albedo, scale, FRAC_1_PI);
-        let factor = if axes.to_local(wo).z > 0.0 { factor } else { (factor.0, 0.0) };
-        kernel::add_scalar(Cosine, &axes, directions, factor, out);
+    }
+
+    fn visit<V: KernelVisitor>(&self, axes: &Axes, wo: &Vector3<f64>, visitor: V) -> Option<V::Output> {
+        (axes.normal().dot(wo) > 0.0).then(|| visitor.visit(Cosine))
+    }
+}
+
+/// The cosine, without albedo/π.
+#[derive(Clone, Copy)]
+struct Cosine;
+
+impl Kernel<1> for Cosine {
+    const SMOOTH: bool = true;
+
+    #[inline(always)]
+    fn at(&self, _: [f32; 3], _: f32, z: f32) -> [f32; 1] {
+        [z]
     }
 }

@@ -18,13 +18,12 @@
 //!
 //! [`BrdfSpec`] reads the command-line forms (`phong:50+lambert:0.4`).
 
-#![allow(dead_code, unused_imports, reason = "kernels of single directions are for those back ends that ask for them")]
-
 mod ashikhmin;
 mod directions;
 mod ggx;
 mod kernel;
 mod lambert;
+mod lobe;
 mod merl;
 mod phong;
 mod spec;
@@ -39,9 +38,12 @@ use nalgebra::{Unit, Vector3};
 pub use ashikhmin::AshikhminShirley;
 pub use directions::DirectionTable;
 pub use ggx::CookTorrance;
-pub(crate) use ggx::Reflectance;
-pub(crate) use kernel::{Cosine, Eval, Kernel, narrow};
+#[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
+pub(crate) use kernel::{Kernel, narrow};
 pub use lambert::Lambert;
+pub use lobe::Lobe;
+#[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
+pub(crate) use lobe::{KernelVisitor, Shape};
 pub use merl::{Merl, MerlLookup};
 pub use phong::{BlinnPhong, Phong};
 pub use spec::BrdfSpec;
@@ -49,7 +51,7 @@ pub use sum::{BrdfFn, Sum};
 pub use tabulated::TabulatedBrdf;
 pub use ward::Ward;
 
-use super::Frame;
+use super::LocalFrame;
 use crate::error::length_mismatch;
 use crate::{Error, Result};
 
@@ -101,7 +103,7 @@ pub trait Brdf: Debug + Send + Sync {
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.
     #[track_caller]
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         if is_poisoned(frame, wo, out) {
             return;
         }
@@ -118,7 +120,7 @@ pub trait Brdf: Debug + Send + Sync {
     /// # Panics
     /// Unless `out` is three planes, or one and there is a colour.
     #[track_caller]
-    fn sample_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, out: &mut [f32]) {
+    fn sample_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, out: &mut [f32]) {
         out.fill(0.0);
         self.add_cos(frame, wo, directions, 1.0, out);
     }
@@ -130,16 +132,8 @@ pub trait Brdf: Debug + Send + Sync {
 pub enum Structure<'a> {
     /// Nothing is known but its values.
     Opaque,
-    /// [`Lambert`].
-    Lambert(&'a Lambert),
-    /// [`Phong`].
-    Phong(&'a Phong),
-    /// [`BlinnPhong`].
-    BlinnPhong(&'a BlinnPhong),
-    /// [`Ward`].
-    Ward(&'a Ward),
-    /// [`CookTorrance`].
-    CookTorrance(&'a CookTorrance),
+    /// One lobe.
+    Lobe(Lobe),
     /// Weights and terms of a sum.
     Sum(&'a [(f64, std::sync::Arc<dyn Brdf>)]),
 }
@@ -177,7 +171,7 @@ fn off_surface(wi: &Vector3<f64>, wo: &Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 /// Whether a normal or viewer is not finite; every value of a table of directions then is NaN.
-fn is_poisoned(frame: &Frame, wo: &Vector3<f64>, out: &mut [f32]) -> bool {
+fn is_poisoned(frame: &LocalFrame, wo: &Vector3<f64>, out: &mut [f32]) -> bool {
     let poisoned = !(wo.sum() + f64::from(frame.normal.sum())).is_finite();
     if poisoned {
         out.fill(f32::NAN);
@@ -210,7 +204,7 @@ pub(crate) struct Axes {
 
 impl Axes {
     /// The normal is kept, the tangent made perpendicular to it; a frame that is degenerate gives some frame.
-    pub(crate) fn new(frame: &Frame) -> Self {
+    pub(crate) fn new(frame: &LocalFrame) -> Self {
         let normal = Self::upright(frame);
         let flat = |t: Vector3<f64>| (t - normal * normal.dot(&t)).try_normalize(1e-3);
         let tangent = flat(frame.tangent.cast())
@@ -224,7 +218,7 @@ impl Axes {
     }
 
     /// The normal alone.
-    pub(crate) fn upright(frame: &Frame) -> Vector3<f64> {
+    pub(crate) fn upright(frame: &LocalFrame) -> Vector3<f64> {
         frame.normal.cast::<f64>().try_normalize(1e-30).unwrap_or_else(Vector3::z)
     }
 

@@ -5,16 +5,18 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 
 use super::kernel::{self, Kernel, Local, exp2, log2_1p, narrow};
+use super::lobe::{self, KernelVisitor, Lobe, LobeModel, Shape};
 use super::{
-    Axes, Brdf, DirectionTable, Structure, check_albedo, check_exponent, half_vector, is_poisoned, off_surface,
-    plane_count, split_colour,
+    Axes, Brdf, DirectionTable, Structure, check_albedo, check_exponent, half_vector, off_surface, split_colour,
 };
 use crate::Result;
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 
 /// The modified, normalised Phong lobe about the mirror direction.
 ///
-///   f = albedo (n + 2)/2π max(r·wi, 0)^n,  r = the mirror image of wo          [Lewis 1994; Lafortune & Willems 1994]
+/// ```math
+/// f = albedo (n + 2)/2π max(r·wi, 0)^n,  r = the mirror image of wo          [Lewis 1994; Lafortune & Willems 1994]
+/// ```
 ///
 /// Without the maximum [Sun 2008, eq. 2.19] an even n would give a second lobe. Reciprocal. The directional albedo is
 /// `albedo` at normal incidence, for ∫ cosⁿ⁺¹ dω = 2π/(n + 2) over the hemisphere, and less elsewhere.
@@ -44,25 +46,9 @@ impl Phong {
         self.exponent
     }
 
-    fn constant(&self) -> f64 {
-        (self.exponent + 2.0) / TAU
-    }
-
     /// The albedo.
     pub fn albedo(&self) -> Vector3<f64> {
         self.albedo
-    }
-
-    /// The factor of the [`kernel`](Self::kernel).
-    pub(crate) fn factor(&self) -> Vector3<f64> {
-        self.albedo * self.constant()
-    }
-
-    /// None if the viewer is below the horizon.
-    pub(crate) fn kernel(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<MirrorLobe> {
-        let local = axes.to_local(wo);
-        let mirror = axes.to_world(&Vector3::new(-local.x, -local.y, local.z));
-        (local.z > 0.0).then(|| MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 })
     }
 }
 
@@ -83,27 +69,49 @@ impl Brdf for Phong {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Phong(self)
+        Structure::Lobe(Lobe::Phong(*self))
     }
 
     fn is_isotropic(&self) -> bool {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
-        if is_poisoned(frame, wo, out) {
-            return;
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        lobe::add_cos(self, frame, wo, directions, scale, out);
+    }
+}
+
+impl LobeModel for Phong {
+    fn tint(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    fn constant(&self) -> f64 {
+        (self.exponent + 2.0) / TAU
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Mirror { exponent: self.exponent }
+    }
+
+    fn reshaped(&self, shape: Shape) -> Result<Self> {
+        match shape {
+            Shape::Mirror { exponent } => Self::new(self.albedo, exponent),
+            _ => lobe::foreign("a Phong lobe", shape),
         }
-        let axes = Axes::new(frame);
-        plane_count(true, directions.len(), out.len());
-        let Some(kernel) = self.kernel(&axes, wo) else { return };
-        kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+    }
+
+    fn visit<V: KernelVisitor>(&self, axes: &Axes, wo: &Vector3<f64>, visitor: V) -> Option<V::Output> {
+        let local = axes.to_local(wo);
+        let mirror = axes.to_world(&Vector3::new(-local.x, -local.y, local.z));
+        let kernel = MirrorLobe { mirror: narrow(&mirror.normalize()), exponent: self.exponent as f32 };
+        (local.z > 0.0).then(|| visitor.visit(kernel))
     }
 }
 
 /// max(r·d, 0)^n z with 1 − r·d = |d − r|²/2, which keeps its relative precision in a narrow lobe.
 #[derive(Clone, Copy)]
-pub(crate) struct MirrorLobe {
+struct MirrorLobe {
     mirror: [f32; 3],
     exponent: f32,
 }
@@ -112,22 +120,19 @@ impl Kernel<1> for MirrorLobe {
     const SMOOTH: bool = true;
 
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
+    fn at(&self, d: [f32; 3], _: f32, z: f32) -> [f32; 1] {
         let e = [d[0] - self.mirror[0], d[1] - self.mirror[1], d[2] - self.mirror[2]];
         let q = 0.5 * kernel::dot(e, e);
         let lobe = exp2(self.exponent * log2_1p(-q));
         [if q < 1.0 { lobe * z } else { 0.0 }]
     }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        self.value(d, z)
-    }
 }
 
 /// The normalised Blinn–Phong lobe about the half vector.
 ///
-///   f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
+/// ```math
+/// f = albedo (n + 2)(n + 4) / (8π (n + 2^(−n/2))) (h·n)^n
+/// ```
 ///
 /// The constant makes the directional albedo at normal incidence equal to `albedo`: with c = cos(θ/2) = h·n, 2π ∫ cⁿ
 /// cos θ sin θ dθ = 8π ∫ cⁿ⁺¹ (2c² − 1) dc from √½ to 1 = 8π (n + 2^(−n/2)) / ((n + 2)(n + 4)); Giesen (2009) has the
@@ -158,25 +163,9 @@ impl BlinnPhong {
         self.exponent
     }
 
-    fn constant(&self) -> f64 {
-        let n = self.exponent;
-        (n + 2.0) * (n + 4.0) / (8.0 * PI * (n + (-0.5 * n).exp2()))
-    }
-
     /// The albedo.
     pub fn albedo(&self) -> Vector3<f64> {
         self.albedo
-    }
-
-    /// The factor of the [`kernel`](Self::kernel).
-    pub(crate) fn factor(&self) -> Vector3<f64> {
-        self.albedo * self.constant()
-    }
-
-    /// None if the viewer is below the horizon.
-    pub(crate) fn kernel(&self, axes: &Axes, wo: &Vector3<f64>) -> Option<HalfLobe> {
-        let half_exponent = (-0.5 * self.exponent) as f32;
-        Local::new(axes, wo).map(|local| HalfLobe { local, half_exponent })
     }
 }
 
@@ -193,49 +182,57 @@ impl Brdf for BlinnPhong {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::BlinnPhong(self)
+        Structure::Lobe(Lobe::BlinnPhong(*self))
     }
 
     fn is_isotropic(&self) -> bool {
         true
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
-        if is_poisoned(frame, wo, out) {
-            return;
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+        lobe::add_cos(self, frame, wo, directions, scale, out);
+    }
+}
+
+impl LobeModel for BlinnPhong {
+    fn tint(&self) -> Vector3<f64> {
+        self.albedo
+    }
+
+    fn constant(&self) -> f64 {
+        let n = self.exponent;
+        (n + 2.0) * (n + 4.0) / (8.0 * PI * (n + (-0.5 * n).exp2()))
+    }
+
+    fn shape(&self) -> Shape {
+        Shape::Half { exponent: self.exponent }
+    }
+
+    fn reshaped(&self, shape: Shape) -> Result<Self> {
+        match shape {
+            Shape::Half { exponent } => Self::new(self.albedo, exponent),
+            _ => lobe::foreign("a Blinn–Phong lobe", shape),
         }
-        let axes = Axes::new(frame);
-        plane_count(true, directions.len(), out.len());
-        let Some(kernel) = self.kernel(&axes, wo) else { return };
-        kernel::add_scalar(kernel, &axes, directions, kernel::scaled(&self.albedo, scale, self.constant()), out);
+    }
+
+    fn visit<V: KernelVisitor>(&self, axes: &Axes, wo: &Vector3<f64>, visitor: V) -> Option<V::Output> {
+        let half_exponent = (-0.5 * self.exponent) as f32;
+        Local::new(axes, wo).map(|local| visitor.visit(HalfLobe { local, half_exponent }))
     }
 }
 
 /// (h·n)^n z = (1 + tan² θ_h)^(−n/2) z: the tangent keeps its relative precision in a narrow lobe.
 #[derive(Clone, Copy)]
-pub(crate) struct HalfLobe {
+struct HalfLobe {
     local: Local,
     half_exponent: f32,
 }
 
-impl HalfLobe {
-    /// The lobe at cosine `up` times `z`.
-    #[inline(always)]
-    fn at(&self, d: [f32; 3], up: f32, z: f32) -> f32 {
-        let h = self.local.half(d, up);
-        let tan2 = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]);
-        exp2(self.half_exponent * log2_1p(tan2)) * z
-    }
-}
-
 impl Kernel<1> for HalfLobe {
     #[inline(always)]
-    fn value(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        [self.at(d, z, z)]
-    }
-
-    #[inline(always)]
-    fn continued(&self, d: [f32; 3], z: f32) -> [f32; 1] {
-        [self.at(d, kernel::above(z), z)]
+    fn at(&self, d: [f32; 3], up: f32, z: f32) -> [f32; 1] {
+        let h = self.local.half(d, up);
+        let tan2 = (h[0] * h[0] + h[1] * h[1]) / (h[2] * h[2]);
+        [exp2(self.half_exponent * log2_1p(tan2)) * z]
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::{Brdf, DirectionTable, Structure, plane_count};
-use crate::scene::Frame;
+use crate::scene::LocalFrame;
 use crate::{Error, Result};
 
 /// A weighted sum of BRDFs: diffuse plus specular.
@@ -79,7 +79,7 @@ impl Brdf for Sum {
         self.terms.iter().all(|(_, brdf)| brdf.is_view_independent())
     }
 
-    fn add_cos(&self, frame: &Frame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
+    fn add_cos(&self, frame: &LocalFrame, wo: &Vector3<f64>, directions: &DirectionTable, scale: f64, out: &mut [f32]) {
         plane_count(self.colour().is_some(), directions.len(), out.len());
         for (weight, brdf) in &self.terms {
             brdf.add_cos(frame, wo, directions, scale * weight, out);

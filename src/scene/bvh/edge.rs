@@ -8,10 +8,13 @@ pub(in crate::scene) const EDGE_TOLERANCE: f32 = 12.0 * 0.5 * f32::EPSILON;
 
 /// The edge function of the edge a → b seen from the origin, and the sum of its terms' absolute values.
 ///
-///   n = m × (b − a) = a × b,  m the nearer of a and b;  a direction d is on the inner side of the edge if n · d ≥ 0
+/// ```math
+/// n = m × (b − a) = a × b,  m the nearer of a and b;  a direction d is on the inner side of the edge if n · d ≥ 0
+/// ```
 ///
-/// `a`, `b` are relative to the ray's origin; `e` = b − a is from the positions themselves, which keeps it exact where the
-/// edge is short and far. The nearer end keeps n exact where the edge is long and near, as a vertex's own edges are.
+/// `a`, `b` are relative to the ray's origin; `e` = b − a is from the positions themselves, which keeps it exact where
+/// the edge is short and far. The nearer end keeps n exact where the edge is long and near, as a vertex's own edges
+/// are.
 ///
 /// Error: with u the unit roundoff, |δm| ≤ u|m|, |δe| ≤ u|e|; each product adds u, the difference u, the product with
 /// |d| ≤ 1 u, and the two sums 2u; altogether |δ(n · d)| ≤ 7u Q to first order with Q the second result, 8u with the
@@ -30,8 +33,8 @@ pub(in crate::scene) fn norm_squared<T: Number>(a: [T; 3]) -> T {
     a[0] * a[0] + a[1] * a[1] + a[2] * a[2]
 }
 
-/// Six times the signed volume of origin and triangle (a is any corner relative to the origin, e and f the edges from the
-/// first to the second and from there to the third), and the same sum as in [`edge`].
+/// Six times the signed volume of origin and triangle (a is any corner relative to the origin, e and f the edges from
+/// the first to the second and from there to the third), and the same sum as in [`edge`].
 ///
 /// Positive if the face turns its back to the origin in a right-handed frame.
 #[inline(always)]

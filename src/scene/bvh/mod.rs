@@ -1,11 +1,12 @@
 //! The bounding volume hierarchy under every ray of the crate.
 //!
-//! Geometry is kept in the mesh's own coordinates, as they are: only scaled by a power of two, which is exact. So what is
-//! near one vertex has the precision that its own coordinates have, whatever else is in the mesh and however far away, and the
-//! scale of the user's scene changes no bit. (Exact but for coordinates below 2⁻¹⁵⁶ of the largest, which `f32` loses.)
+//! Geometry is kept in the mesh's own coordinates, as they are: only scaled by a power of two, which is exact. So what
+//! is near one vertex has the precision that its own coordinates have, whatever else is in the mesh and however far
+//! away, and the scale of the user's scene changes no bit. (Exact but for coordinates below 2⁻¹⁵⁶ of the largest, which
+//! `f32` loses.)
 //!
-//! Single rays walk a binary tree in `f64`; the visibility baker walks a copy of it with eight children a node and eight
-//! triangles a leaf, held as structures of arrays, in `f32`.
+//! Single rays walk a binary tree in `f64`; the visibility baker walks a copy of it with eight children a node and
+//! eight triangles a leaf, held as structures of arrays, in `f32`.
 
 mod edge;
 mod ray;
@@ -24,6 +25,8 @@ use self::tree::{Box3, Item, Node};
 use self::wide::WideTree;
 use super::Mesh;
 
+use crate::approx_eq::approx_by_parts;
+
 /// Lanes of a wide node and of a leaf.
 pub(super) const WIDTH: usize = 8;
 
@@ -32,12 +35,13 @@ pub(super) const LEAF: u32 = 1 << 31;
 
 /// The largest coordinate of any face is in [2²⁹, 2³⁰).
 ///
-/// That is where `f32` leaves most room to both sides of a product of three lengths, two of them edges: it stays finite for
-/// origins up to [`FARTHEST_ORIGIN`], and has all its bits for lengths down to 2⁻³⁴, which is 2⁻⁶⁴ of the largest coordinate.
+/// That is where `f32` leaves most room to both sides of a product of three lengths, two of them edges: it stays finite
+/// for origins up to [`FARTHEST_ORIGIN`], and has all its bits for lengths down to 2⁻³⁴, which is 2⁻⁶⁴ of the largest
+/// coordinate.
 const EXPONENT: i32 = 30;
 
-/// Origins with a larger coordinate, in the tree's scale, are too far away to see the mesh: it is smaller there than a rounding
-/// of the origin's coordinates.
+/// Origins with a larger coordinate, in the tree's scale, are too far away to see the mesh: it is smaller there than a
+/// rounding of the origin's coordinates.
 pub(super) const FARTHEST_ORIGIN: f32 = (1_u64 << 61) as f32;
 
 /// Where a ray meets a mesh.
@@ -45,7 +49,8 @@ pub(super) const FARTHEST_ORIGIN: f32 = (1_u64 << 61) as f32;
 pub struct Hit {
     /// The face.
     pub face: u32,
-    /// Distance from the ray's origin, in units of its direction's length; ∞ where that is so short that no `f64` holds it.
+    /// Distance from the ray's origin, in units of its direction's length; ∞ where that is so short that no `f64` holds
+    /// it.
     pub distance: f64,
     /// Weights of the face's corners: not negative, sum 1.
     pub barycentric: [f32; 3],
@@ -53,14 +58,14 @@ pub struct Hit {
 
 /// A bounding volume hierarchy over the faces of a mesh.
 ///
-/// It keeps its own copy of the triangles. Building is deterministic. Cost: about 1 µs a face to build, whatever the faces (many in
-/// one place, all the same, of very different sizes), 115 B a face. Of faces
-/// in the same place and the same way round, as careless files have them by the thousand, only the first is kept: the others hide nothing
-/// that it does not.
+/// It keeps its own copy of the triangles. Building is deterministic. Cost: about 1 µs a face to build, whatever the
+/// faces (many in one place, all the same, of very different sizes), 115 B a face. Of faces in the same place and the
+/// same way round, as careless files have them by the thousand, only the first is kept: the others hide nothing that it
+/// does not.
 ///
-/// Single rays are traced in `f64` from where they start: their accuracy is that of the origin's own coordinates and of the mesh's `f32`
-/// ones, and does not depend on how large the scene is or how far away the origin. Faces without area meet no ray, nor does a face
-/// in whose plane the origin lies to the rounding of `f64`.
+/// Single rays are traced in `f64` from where they start: their accuracy is that of the origin's own coordinates and of
+/// the mesh's `f32` ones, and does not depend on how large the scene is or how far away the origin. Faces without area
+/// meet no ray, nor does a face in whose plane the origin lies to the rounding of `f64`.
 #[derive(Clone, Default)]
 pub struct Bvh {
     /// A power of two.
@@ -124,9 +129,9 @@ impl Bvh {
 
     /// The face that a ray meets first, front or back; of faces at the same distance to the rounding of `f64`, any.
     ///
-    /// `direction` need not be a unit vector: any length from the smallest denormal to the largest number is right. None if the
-    /// ray meets nothing; if its direction is zero; if a number of it is NaN or infinite; and if it starts 10⁹⁰ times the mesh's largest
-    /// coordinate away or farther. Nothing slips between two faces that share an edge.
+    /// `direction` need not be a unit vector: any length from the smallest denormal to the largest number is right.
+    /// None if the ray meets nothing; if its direction is zero; if a number of it is NaN or infinite; and if it starts
+    /// 10⁹⁰ times the mesh's largest coordinate away or farther. Nothing slips between two faces that share an edge.
     pub fn closest_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Hit> {
         let ray = self.ray(origin, direction)?;
         let mut best: Option<(usize, Meeting)> = None;
@@ -192,6 +197,8 @@ fn has_area(triangle: &[[f32; 3]; 3]) -> bool {
     let [a, b, c] = triangle.map(|p| Vector3::from(p).cast::<f64>());
     (b - a).cross(&(c - a)) != Vector3::zeros()
 }
+
+approx_by_parts!([] Hit, f64, |h| close [[h.distance], h.barycentric.map(f64::from)] same [h.face]);
 
 #[cfg(test)]
 mod tests {

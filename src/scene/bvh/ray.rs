@@ -42,8 +42,8 @@ impl Ray {
 
     /// Where the ray enters a box, at least 0; None if it misses.
     ///
-    /// A component of zero makes ±∞ of a distance to a plane, or NaN in the plane itself: the comparisons pass NaN over, so
-    /// that the box is closed.
+    /// A component of zero makes ±∞ of a distance to a plane, or NaN in the plane itself: the comparisons pass NaN
+    /// over, so that the box is closed.
     #[inline(always)]
     fn enters(&self, node: &Node) -> Option<f64> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -58,8 +58,8 @@ impl Ray {
         (near <= far * (1.0 + SLACK)).then_some(near)
     }
 
-    /// Hands the leaves that the ray may meet to `visit`, about near to far, as ranges of faces; it returns how far the ray
-    /// still goes.
+    /// Hands the leaves that the ray may meet to `visit`, about near to far, as ranges of faces; it returns how far the
+    /// ray still goes.
     pub(super) fn walk(&self, nodes: &[Node], mut visit: impl FnMut(std::ops::Range<usize>) -> f64) {
         let mut stack = [(0_u32, 0.0_f64); MAX_DEPTH];
         let (mut waiting, mut reach) = (0, f64::INFINITY);
@@ -109,7 +109,8 @@ impl Ray {
         let e = [0, 1, 2].map(|k: usize| minus(corners[(k + 1) % 3], corners[k]));
         let distances = p.map(norm_squared);
         let mut weights = [0.0; 3];
-        // An edge function is tested on both sides at once: which side the origin is on is known from their sum, the slant.
+        // An edge function is tested on both sides at once: which side the origin is on is known from their sum, the
+        // slant.
         let (mut inside, mut outside) = (true, true);
         for k in 0..3 {
             let next = (k + 1) % 3;

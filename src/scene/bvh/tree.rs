@@ -2,14 +2,16 @@
 //!
 //! Built from the root down. Faces are binned by their centres along each axis, and the cut with the least estimate
 //!
-//!   A(left) ⌈n(left)/8⌉ + A(right) ⌈n(right)/8⌉,   A the area of a box, n its faces,
+//! ```math
+//! A(left) ⌈n(left)/8⌉ + A(right) ⌈n(right)/8⌉,   A the area of a box, n its faces,
+//! ```
 //!
-//! is taken: the surface area heuristic for leaves of eight triangles that are tested at once. Bins follow the faces that are left,
-//! so a face far away costs one level and changes nothing among the others.
+//! is taken: the surface area heuristic for leaves of eight triangles that are tested at once. Bins follow the faces
+//! that are left, so a face far away costs one level and changes nothing among the others.
 //!
 //! Where centres do not tell faces apart, or where cuts have been so uneven that the depth would grow beyond
-//! [`MAX_DEPTH`], a node is halved by order. So depth is bounded, and with it the cost: at most [`MAX_DEPTH`] passes over the
-//! faces, whatever they are.
+//! [`MAX_DEPTH`], a node is halved by order. So depth is bounded, and with it the cost: at most [`MAX_DEPTH`] passes
+//! over the faces, whatever they are.
 
 use super::WIDTH;
 
@@ -151,8 +153,8 @@ struct Bins {
 }
 
 impl Bins {
-    /// The bin of an item. The least centre is in the first and the largest in the last, even where the density overflows: 0 · ∞ is
-    /// NaN, which becomes 0, and ∞ is cut off.
+    /// The bin of an item. The least centre is in the first and the largest in the last, even where the density
+    /// overflows: 0 · ∞ is NaN, which becomes 0, and ∞ is cut off.
     #[inline(always)]
     fn of(&self, item: &Item) -> usize {
         (((item.centre(self.axis) - self.least) * self.density) as usize).min(self.count - 1)
@@ -222,7 +224,8 @@ fn partition(items: &mut [Item], before: impl Fn(&Item) -> bool) -> usize {
     i
 }
 
-/// Halves the items, up to whole leaves: along the axis of the widest spread of centres or, if they are all the same, by size.
+/// Halves the items, up to whole leaves: along the axis of the widest spread of centres or, if they are all the same,
+/// by size.
 fn halve(items: &mut [Item], least: &[f32; 3], most: &[f32; 3]) -> usize {
     let spread = [0, 1, 2].map(|k: usize| most[k] - least[k]);
     let axis = if spread[1] > spread[0] { 1 } else { 0 };

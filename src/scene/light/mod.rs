@@ -13,8 +13,8 @@ use crate::{Error, Result};
 
 /// Light from infinitely far away: linear RGB radiance for every direction towards it.
 ///
-/// Pixels must be finite: NaN and infinities, which would spread over a whole relit scene, are refused. Negative pixels,
-/// which reconstruction filters leave in photographs, become 0 and are counted.
+/// Pixels must be finite: NaN and infinities, which would spread over a whole relit scene, are refused. Negative
+/// pixels, which reconstruction filters leave in photographs, become 0 and are counted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EnvironmentLight {
     source: Source,
@@ -93,8 +93,8 @@ impl EnvironmentLight {
 
     /// This light turned by `rotation` and nothing else: what came from ω then comes from Rω.
     ///
-    /// A matrix that is no rotation (made unchecked: a component not finite, or columns off being orthonormal by more than
-    /// 1e-3) gives a light that is NaN in every direction and texel, which [`CubeMap::first_not_finite`] finds.
+    /// A matrix that is no rotation (made unchecked: a component not finite, or columns off being orthonormal by more
+    /// than 1e-3) gives a light that is NaN in every direction and texel, which [`CubeMap::first_not_finite`] finds.
     pub fn with_rotation(mut self, rotation: Rotation3<f64>) -> Self {
         self.rotation = rotation;
         self
@@ -154,8 +154,8 @@ impl EnvironmentLight {
     /// The mean radiance over every texel of a cube.
     ///
     /// Maps are resampled by [`Resampling::Smooth`], which keeps ∫ L dω at any size. Of a sky the sun keeps its energy
-    /// exactly however small it is, the rest to 1e-4: it is averaged over 256² or more points a face. The sharp edge of a
-    /// lamp falls between two of these points; a lamp narrower than eight hands out its energy on its own, to 1e-3.
+    /// exactly however small it is, the rest to 1e-4: it is averaged over 256² or more points a face. The sharp edge of
+    /// a lamp falls between two of these points; a lamp narrower than eight hands out its energy on its own, to 1e-3.
     /// Accuracy: ∫ L dω of maps and suns to the rounding of `f32`, 1e-7 relative, where texels are normal numbers.
     pub fn to_cube(&self, grid: CubeGrid) -> CubeMap<Vector3<f32>> {
         if !is_rotation(&self.rotation) {

@@ -8,7 +8,9 @@ use crate::{Error, Result};
 
 /// A sky made of numbers, in high dynamic range; +y is up.
 ///
-///   L(ω) = mix(ground, horizon + (zenith − horizon) · y^falloff, above(y)) + sun + Σ soft boxes
+/// ```math
+/// L(ω) = mix(ground, horizon + (zenith − horizon) · y^falloff, above(y)) + sun + Σ soft boxes
+/// ```
 ///
 /// `above` runs smoothly from 0 to 1 within `horizon_softness` of the horizon.
 ///
@@ -128,8 +130,8 @@ impl Sky {
         self
     }
 
-    /// The radiance from `direction`, which need not be unit; the zero vector gives that on the horizon, without the sun, a
-    /// direction that is not finite NaN.
+    /// The radiance from `direction`, which need not be unit; the zero vector gives that on the horizon, without the
+    /// sun, a direction that is not finite NaN.
     pub fn radiance(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         // Squares of lengths beyond these under- or overflow.
         let size = direction.amax();
@@ -276,7 +278,8 @@ impl SoftBox {
         smooth_step(half - t.abs(), self.softness * half)
     }
 
-    /// Points all over it, at most `spacing` apart in angle along each axis: their directions and coverage · solid angle.
+    /// Points all over it, at most `spacing` apart in angle along each axis: their directions and coverage · solid
+    /// angle.
     ///
     /// Midpoints in θ of a = tan θ, piece by piece between the ends of the soft edges, where coverage is smooth;
     /// dω = da db/(1 + a² + b²)^{3/2}.

@@ -12,8 +12,8 @@ use crate::{Error, Result};
 pub struct Sun {
     /// Where its centre stands.
     pub direction: UnitVector3<f64>,
-    /// Angular radius in radians, in (0, π/2], down to the smallest number; the real sun's is 0.00465. A point, of which a
-    /// radiance cannot say how bright it is, comes from [`with_irradiance`](Self::with_irradiance).
+    /// Angular radius in radians, in (0, π/2], down to the smallest number; the real sun's is 0.00465. A point, of
+    /// which a radiance cannot say how bright it is, comes from [`with_irradiance`](Self::with_irradiance).
     pub angular_radius: f64,
     /// Radiance of the disc, added to the sky's. Irradiance on a surface that faces it is radiance · π sin² radius.
     pub radiance: Vector3<f64>,
@@ -27,8 +27,8 @@ const MAX_DEPTH: u32 = 40;
 impl Sun {
     /// A disc of a given irradiance on a surface that faces it: radiance = irradiance / (π sin² angular_radius).
     ///
-    /// Any disc well below a texel gives the same map, so that a point source is a disc of radius 1e-6, say. A radius of
-    /// 0 is refused: no finite radiance gives a point energy.
+    /// Any disc well below a texel gives the same map, so that a point source is a disc of radius 1e-6, say. A radius
+    /// of 0 is refused: no finite radiance gives a point energy.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] or [`Error::NotFinite`] unless the irradiance is finite and not negative, the radius in
@@ -110,8 +110,8 @@ struct Disc {
     finest: f64,
 }
 
-/// The middle of a rectangle of a face and the largest angle from it to a corner, which bounds the piece: a convex piece
-/// lies in the cone through its farthest corner.
+/// The middle of a rectangle of a face and the largest angle from it to a corner, which bounds the piece: a convex
+/// piece lies in the cone through its farthest corner.
 fn cone(face: Face, u: [f64; 2], v: [f64; 2]) -> (Vector3<f64>, f64) {
     let middle = face.point(0.5 * (u[0] + u[1]), 0.5 * (v[0] + v[1]));
     let reach = [(u[0], v[0]), (u[1], v[0]), (u[0], v[1]), (u[1], v[1])]
@@ -147,8 +147,8 @@ impl Disc {
         quarters.iter().flatten().sum()
     }
 
-    /// The part of a small disc that a rectangle of a face holds: of the unit disc in the tangent plane, cut by the four
-    /// great circles of the rectangle's edges as by straight lines.
+    /// The part of a small disc that a rectangle of a face holds: of the unit disc in the tangent plane, cut by the
+    /// four great circles of the rectangle's edges as by straight lines.
     fn flat_share(&self, face: Face, u: [f64; 2], v: [f64; 2]) -> f64 {
         let (middle, reach) = cone(face, u, v);
         // Slack for the rounding of angles: a disc at a corner must not miss all the texels that meet there.

@@ -63,7 +63,8 @@ impl Builder {
         self.positions.len() as u32 - 1
     }
 
-    /// A surface over (u, v) ∈ [0, 1]² in cells[0] × cells[1] quads, outward along ∂u × ∂v; `at` gives position and normal.
+    /// A surface over (u, v) ∈ [0, 1]² in cells[0] × cells[1] quads, outward along ∂u × ∂v; `at` gives position and
+    /// normal.
     pub(super) fn grid(&mut self, cells: [usize; 2], ends: [Ends; 2], at: impl Fn(f64, f64) -> (Point, Point)) {
         let (nu, nv) = (ends[0].rows(cells[0]), ends[1].rows(cells[1]));
         self.count += nu * nv;

@@ -15,7 +15,8 @@ use crate::{Error, Result};
 /// The built-in scenes.
 ///
 /// All are some units large, stand on y = 0 or around it, have outward counter-clockwise faces, smooth normals on
-/// smooth surfaces and split vertices at hard edges. Solids are closed; floors and the relief are open sheets with a skirt.
+/// smooth surfaces and split vertices at hard edges. Solids are closed; floors and the relief are open sheets with a
+/// skirt.
 ///
 /// # Example
 /// ```
@@ -82,8 +83,8 @@ impl Procedural {
 
     /// The scene with about `vertices` vertices: within 10 %.
     ///
-    /// All surfaces are tessellated at one spacing, which is searched for; floors are finer around what stands on them than at
-    /// their rim.
+    /// All surfaces are tessellated at one spacing, which is searched for; floors are finer around what stands on them
+    /// than at their rim.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 1,000 ≤ `vertices` ≤ 2,000,000.

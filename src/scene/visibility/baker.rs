@@ -23,8 +23,8 @@ pub enum BackFaces {
     /// Faces occlude from both sides.
     #[default]
     Occlude,
-    /// Only faces that turn their front (counter-clockwise) to the vertex occlude. A closed surface then occludes what is outside of
-    /// it only: a vertex inside one sees through its wall.
+    /// Only faces that turn their front (counter-clockwise) to the vertex occlude. A closed surface then occludes what
+    /// is outside of it only: a vertex inside one sees through its wall.
     Ignore,
 }
 
@@ -37,10 +37,12 @@ pub struct VisibilitySettings {
     pub back_faces: BackFaces,
     /// How far rays start from the surface, as a share of the shortest edge from the vertex; default 2⁻¹⁶.
     ///
-    /// Whatever it is, rays start at least four roundings of the vertex's own coordinates away. Nothing else in the mesh matters.
+    /// Whatever it is, rays start at least four roundings of the vertex's own coordinates away. Nothing else in the
+    /// mesh matters.
     ///
-    /// Too small and a vertex that only touches another surface, without sharing its vertices, may start on that one's wrong side by
-    /// rounding. Too large and contact shadows begin late, and rays of vertices near a thin wall start behind it.
+    /// Too small and a vertex that only touches another surface, without sharing its vertices, may start on that one's
+    /// wrong side by rounding. Too large and contact shadows begin late, and rays of vertices near a thin wall start
+    /// behind it.
     pub offset: f64,
 }
 
@@ -69,25 +71,26 @@ impl VisibilitySettings {
 /// A texel is seen if the direction through its centre is above the vertex's horizon (n·ω > 0 with the shading normal;
 /// reflectance is zero below, so no ray is sent there) and meets no face.
 ///
-/// **Where rays start.** At the vertex, moved by the offset δ along its shading normal, so that it does not meet its own faces, and
-/// by up to δ along the surface towards the middle of its own faces. The second move is zero inside a smooth surface; at a hard
-/// edge, where vertices are split, it takes the origin off the neighbouring wall's plane, so that no light leaks through the corner
-/// of a room. δ is [`VisibilitySettings::offset`] times the shortest edge from the vertex, and at least four roundings of the
-/// vertex's own coordinates (those along which it is moved). So it follows what is there, not the size of the scene: a
-/// face far away, or a wide ground, changes nothing near. A convex mesh sees its whole upper hemisphere: texels that rise less than 10⁻³ rad above the horizon may be lost to rounding,
+/// **Where rays start.** At the vertex, moved by the offset δ along its shading normal, so that it does not meet its
+/// own faces, and by up to δ along the surface towards the middle of its own faces. The second move is zero inside a
+/// smooth surface; at a hard edge, where vertices are split, it takes the origin off the neighbouring wall's plane, so
+/// that no light leaks through the corner of a room. δ is [`VisibilitySettings::offset`] times the shortest edge from
+/// the vertex, and at least four roundings of the vertex's own coordinates (those along which it is moved). So it
+/// follows what is there, not the size of the scene: a face far away, or a wide ground, changes nothing near. A convex
+/// mesh sees its whole upper hemisphere: texels that rise less than 10⁻³ rad above the horizon may be lost to rounding,
 /// none above.
 ///
-/// **What occludes.** All rays of a vertex share an origin, so each face of the cube is rasterised front to back through a
-/// hierarchy of boxes. A ray meets a triangle if it is on the inner side of its three edges, each widened by the bound of
-/// its `f32` rounding error: a ray that meets a triangle in exact arithmetic is always occluded, so that nothing leaks
-/// through the edges and corners that faces share. A ray is occluded wrongly only within 20 roundings of an edge function's
-/// terms: about 2·10⁻⁶ rad beside an edge seen from its side. Faces without area occlude nothing. Holes and open borders
-/// are what they are: light passes.
+/// **What occludes.** All rays of a vertex share an origin, so each face of the cube is rasterised front to back
+/// through a hierarchy of boxes. A ray meets a triangle if it is on the inner side of its three edges, each widened by
+/// the bound of its `f32` rounding error: a ray that meets a triangle in exact arithmetic is always occluded, so that
+/// nothing leaks through the edges and corners that faces share. A ray is occluded wrongly only within 20 roundings of
+/// an edge function's terms: about 2·10⁻⁶ rad beside an edge seen from its side. Faces without area occlude nothing.
+/// Holes and open borders are what they are: light passes.
 ///
 /// The same bits for any number of threads, with and without `rayon`.
 ///
-/// Cost: 12 to 30 million rays a second a core at 64² texels a face and 200,000 faces (Zen 3, portable build), or 0.4 to
-/// 1 ms a vertex. Memory: 3 KiB a vertex at 64², and about 115 B a face of the mesh.
+/// Cost: 12 to 30 million rays a second a core at 64² texels a face and 200,000 faces (Zen 3, portable build), or 0.4
+/// to 1 ms a vertex. Memory: 3 KiB a vertex at 64², and about 115 B a face of the mesh.
 ///
 /// # Example
 /// ```
@@ -119,7 +122,7 @@ struct Scene {
     back_faces: BackFaces,
 }
 
-/// Work space of one thread for [`VisibilityBaker::bake_vertex_with_scratch`].
+/// Work space of one thread for [`VisibilityBaker::bake_vertex`].
 #[derive(Debug, Clone)]
 pub struct VisibilityScratch {
     live: LiveRays,
@@ -194,22 +197,13 @@ impl VisibilityBaker {
 
     /// The visibility of one vertex, into the caller's words (whatever they held before).
     ///
-    /// Allocates its work space; [`bake_vertex_with_scratch`](Self::bake_vertex_with_scratch) does not. Returns how many
-    /// texels are above the horizon: the rays that were traced.
+    /// Returns how many texels are above the horizon: the rays that were traced.
     ///
     /// # Panics
-    /// If `vertex` is out of range or `words` has another length than [`words_per_vertex`](Self::words_per_vertex).
+    /// If `vertex` is out of range, `words` has another length than [`words_per_vertex`](Self::words_per_vertex), or
+    /// `scratch` is of a baker with another grid.
     #[track_caller]
-    pub fn bake_vertex(&self, vertex: usize, words: &mut [u64]) -> u64 {
-        self.bake_vertex_with_scratch(vertex, words, &mut self.scratch())
-    }
-
-    /// As [`bake_vertex`](Self::bake_vertex), without allocating.
-    ///
-    /// # Panics
-    /// As [`bake_vertex`](Self::bake_vertex), and if `scratch` is of a plan with another grid.
-    #[track_caller]
-    pub fn bake_vertex_with_scratch(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
+    pub fn bake_vertex(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
         check_length("visibility words of a vertex", self.words_per_vertex(), words.len());
         words.fill(0);
         let per_face = BinaryVisibility::words_per_face(self.grid);
@@ -269,7 +263,7 @@ impl VisibilityBaker {
     pub fn bake(&self, progress: &dyn Progress) -> Result<BinaryVisibility> {
         let per_vertex = self.words_per_vertex();
         let words = self.fill(per_vertex, progress, |vertex, words, scratch| {
-            self.bake_vertex_with_scratch(vertex, words, scratch);
+            self.bake_vertex(vertex, words, scratch);
         })?;
         Ok(BinaryVisibility::from_parts(self.grid, words))
     }
@@ -279,8 +273,8 @@ impl VisibilityBaker {
     /// `progress` counts vertices. Cost: that of binary visibility at `samples` times the side.
     ///
     /// # Errors
-    /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples` is at
-    /// most [`CubeGrid::MAX_SIDE`].
+    /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples`
+    /// is at most [`CubeGrid::MAX_SIDE`].
     pub fn bake_fractional(&self, samples: usize, progress: &dyn Progress) -> Result<FractionalVisibility> {
         check_samples(samples)?;
         let fine = self.with_grid(CubeGrid::new(self.grid.side() * samples)?);

@@ -6,7 +6,8 @@ use crate::{Error, Result};
 /// One bit a texel of a cube map for every vertex: 1 = unoccluded.
 ///
 /// A face is `words_per_face` = ⌈side²/64⌉ words, bit (y · side + x) of the face at bit (i mod 64) of word (i / 64);
-/// spare bits are 0. Faces follow each other in the order of [`Face::ALL`](crate::sphere::Face::ALL), vertices likewise.
+/// spare bits are 0. Faces follow each other in the order of [`Face::ALL`](crate::sphere::Face::ALL), vertices
+/// likewise.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BinaryVisibility {
     grid: CubeGrid,

@@ -5,8 +5,8 @@ use crate::{Error, Result};
 
 /// For every vertex and texel of a cube map, how many of `samples`² directions spread over the texel are unoccluded.
 ///
-/// The directions are the centres of the texel's `samples` × `samples` parts, equal on the face of the cube. Texels are stored
-/// in the order of [`CubeGrid`], vertex after vertex, one byte each.
+/// The directions are the centres of the texel's `samples` × `samples` parts, equal on the face of the cube. Texels are
+/// stored in the order of [`CubeGrid`], vertex after vertex, one byte each.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FractionalVisibility {
     grid: CubeGrid,
@@ -15,12 +15,12 @@ pub struct FractionalVisibility {
 }
 
 impl FractionalVisibility {
-    /// A map for every vertex from its counts, in the order of [`vertex`](Self::vertex): how many of `samples`² directions of a
-    /// texel are free.
+    /// A map for every vertex from its counts, in the order of [`vertex`](Self::vertex): how many of `samples`²
+    /// directions of a texel are free.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15, and for a count above `samples`²; [`Error::Length`] unless `counts` is a
-    /// whole number of vertices.
+    /// [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15, and for a count above `samples`²; [`Error::Length`] unless
+    /// `counts` is a whole number of vertices.
     pub fn from_counts(grid: CubeGrid, samples: usize, counts: Vec<u8>) -> Result<Self> {
         check_samples(samples)?;
         check_len(grid, counts.len())?;
@@ -41,8 +41,8 @@ impl FractionalVisibility {
     /// [`values`](Self::values) of a map become the same map again.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15, and for a share outside of [0, 1]; [`Error::NotFinite`] for one that is NaN or
-    /// infinite; [`Error::Length`] unless `values` is a whole number of vertices.
+    /// [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15, and for a share outside of [0, 1]; [`Error::NotFinite`] for one
+    /// that is NaN or infinite; [`Error::Length`] unless `values` is a whole number of vertices.
     ///
     /// # Example
     /// ```

@@ -18,8 +18,8 @@ impl LiveRays {
         self.side
     }
 
-    /// Keeps the texels whose centre is above the plane of `normal` (components along the face's right, down and outward
-    /// axes): n·d > 0. Returns how many there are.
+    /// Keeps the texels whose centre is above the plane of `normal` (components along the face's right, down and
+    /// outward axes): n·d > 0. Returns how many there are.
     ///
     /// Along a row n·d is n_u u + (n_v v + n_w), monotone in u even as computed, so the texels of a row are a run
     /// whose end is found from the root of that line and then set right with the predicate itself.

@@ -6,16 +6,19 @@ use crate::scene::Mesh;
 
 /// Where the rays of every vertex start, times `scale`.
 ///
-/// The start is v + δ(n + t), rounded to `f32`: n the shading normal, t of [`inward`]. δ has to be above what two things may
-/// displace:
+/// The start is v + δ(n + t), rounded to `f32`: n the shading normal, t of [`inward`]. δ has to be above what two
+/// things may displace:
 ///
-/// - The rounding of the start, and that of v and of what touches it there, which the file's or modeller's coordinates have gone through.
-///   Each moves by at most u|vᵢ| along axis i, u = 2⁻²⁴, so along n and t by no more than r = u Σᵢ (|nᵢ| + |tᵢ|)|vᵢ|. An axis along
-///   which nothing is moved does not count: a floor y = 0 has r = 0 however far from the origin. δ ≥ 4r leaves a margin of two.
-/// - The rounding of the predicates: but that is relative to distances from the start ([`edge`](crate::scene::bvh::edge)), and from
-///   the vertex's own faces the start is away by δ itself. So any share of the size of these faces will do.
+/// - The rounding of the start, and that of v and of what touches it there, which the file's or modeller's coordinates
+///   have gone through. Each moves by at most u|vᵢ| along axis i, u = 2⁻²⁴, so along n and t by no more than r = u Σᵢ
+///   (|nᵢ| + |tᵢ|)|vᵢ|. An axis along which nothing is moved does not count: a floor y = 0 has r = 0 however far from
+///   the origin. δ ≥ 4r leaves a margin of two.
+/// - The rounding of the predicates: but that is relative to distances from the start
+///   ([`edge`](crate::scene::bvh::edge)), and from the vertex's own faces the start is away by δ itself. So any share
+///   of the size of these faces will do.
 ///
-/// The size is that of the shortest edge from v: a vertex of a small body may be the corner of a large face, never the other way round.
+/// The size is that of the shortest edge from v: a vertex of a small body may be the corner of a large face, never the
+/// other way round.
 pub(super) fn origins(mesh: &Mesh, scale: f64, offset: f64) -> Vec<[f32; 3]> {
     const MARGIN: f64 = 4.0;
     const UNIT_ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
@@ -35,8 +38,8 @@ pub(super) fn origins(mesh: &Mesh, scale: f64, offset: f64) -> Vec<[f32; 3]> {
 /// The faces around a vertex.
 #[derive(Clone, Copy)]
 struct Around {
-    /// The angle-weighted mean of the unit directions into the faces, along the surface: at most 1 long, zero where the faces close
-    /// around the vertex evenly, into the surface at its border.
+    /// The angle-weighted mean of the unit directions into the faces, along the surface: at most 1 long, zero where the
+    /// faces close around the vertex evenly, into the surface at its border.
     inward: Vector3<f64>,
     /// Sum of the angles.
     angles: f64,

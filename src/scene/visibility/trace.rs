@@ -1,10 +1,10 @@
 //! All rays of one cube face at once, from one origin.
 //!
-//! Rays that share an origin are the pixels of a picture, so the face is rasterised instead of traced: boxes and triangles are
-//! projected to ranges of texels, and whatever covers no living ray is passed over. Boxes are visited front to
-//! back, so that near faces kill the rays of the far ones. One ray and all rays use the same predicate
-//! (E ≥ 0 for the three edges, within the triangle's range of texels); the walk only leaves out triangles that cannot cover a living ray, so that it gives exactly the
-//! bits of testing every triangle against every ray.
+//! Rays that share an origin are the pixels of a picture, so the face is rasterised instead of traced: boxes and
+//! triangles are projected to ranges of texels, and whatever covers no living ray is passed over. Boxes are visited
+//! front to back, so that near faces kill the rays of the far ones. One ray and all rays use the same predicate (E ≥ 0
+//! for the three edges, within the triangle's range of texels); the walk only leaves out triangles that cannot cover a
+//! living ray, so that it gives exactly the bits of testing every triangle against every ray.
 
 use super::super::bvh::{Bvh, EDGE_TOLERANCE, LEAF, Leaf, WIDTH, WideNode, edge, norm_squared, volume};
 use super::BackFaces;
@@ -17,8 +17,8 @@ use pulp::Simd;
 /// rounding of the projection (2^-22 · side texels) and the tips of triangles widened by the edge tolerance.
 const RANGE_PAD: f32 = 1e-6;
 
-/// Boxes whose far side is no farther than this, in the scale of the hierarchy, are behind the origin's face: the least number whose
-/// reciprocal is finite.
+/// Boxes whose far side is no farther than this, in the scale of the hierarchy, are behind the origin's face: the least
+/// number whose reciprocal is finite.
 const NEAREST: f32 = f32::MIN_POSITIVE;
 
 /// One face of the cube around one origin: how world axes become right, down, outward.
@@ -246,7 +246,8 @@ impl Edges {
                 }
             }
             let distances = [norm_squared(p[0]), norm_squared(p[1]), norm_squared(p[2])];
-            // The nearest corner: an origin just above a face is far from its other corners, and the sum's rounding with them.
+            // The nearest corner: an origin just above a face is far from its other corners, and the sum's rounding
+            // with them.
             let (second, third) = (distances[1].less(distances[0]), distances[2].less(distances[0].min(distances[1])));
             let mut nearest = p[0];
             for c in 0..3 {
@@ -319,8 +320,8 @@ impl Triangle {
 
     /// Kills the rays that meet the triangle.
     ///
-    /// As computed, E is monotone along a row, so the inner texels of a row are a run. Its ends are guessed from the root of
-    /// the line and set right with the predicate itself.
+    /// As computed, E is monotone along a row, so the inner texels of a row are a run. Its ends are guessed from the
+    /// root of the line and set right with the predicate itself.
     #[inline(always)]
     fn occlude(&self, live: &mut LiveRays, centres: &[f32]) {
         let (x0, x1) = (self.x[0] as usize, self.x[1] as usize);

@@ -2,7 +2,9 @@
 //!
 //! For Y = q(z) {Re, Im} (x + iy)^m, which agrees with y on the sphere, the Hessian on the sphere is
 //!
-//!   Hess y = Π D²Y Π − (∇Y · ω) Π,  Π = 1 − ωωᵀ
+//! ```math
+//! Hess y = Π D²Y Π − (∇Y · ω) Π,  Π = 1 − ωωᵀ
+//! ```
 //!
 //! the second term because great circles bend towards −ω. With p = D²Y ω and n = ∇Y · ω that is
 //! D²Y − ωpᵀ − pωᵀ + (ω·p + n) ωωᵀ − n 1. D²Y follows from derivatives of (x + iy)^m and

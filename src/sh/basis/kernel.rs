@@ -3,8 +3,10 @@
 //! y_{l,±m} = q_{l,m}(z) · {Re, Im} (x + iy)^m with q the normalised Legendre function over (1 − z²)^{m/2}, √2 included
 //! for m > 0, a polynomial in z. At fixed m:
 //!
-//!   q_{m,m} = const,  q_{l,m} = a z q_{l−1,m} − b q_{l−2,m}
-//!   a² = (4l² − 1)/(l² − m²),  b² = (2l+1)((l−1)² − m²) / ((2l−3)(l² − m²))
+//! ```math
+//! q_{m,m} = const,  q_{l,m} = a z q_{l−1,m} − b q_{l−2,m}
+//! a² = (4l² − 1)/(l² − m²),  b² = (2l+1)((l−1)² − m²) / ((2l−3)(l² − m²))
+//! ```
 //!
 //! Upwards in l is the stable direction for |z| ≤ 1. q grows no faster than ((1+√5)/2)^l: max over m of
 //! √((l+m)!/(l−m)!)/(2^m m!) at z = 1, which peaks at m = l/√5.

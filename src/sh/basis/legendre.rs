@@ -6,7 +6,9 @@ use crate::{Error, Real, Result};
 
 /// The polynomials q_{l,m}(z) of the basis, m ≥ 0, at l(l+1)/2 + m.
 ///
-///   y_{l,±m} = q_{l,m}(z) {Re, Im} (x + iy)^m,  q_{l,m}(z) = √(2 − δ_{m0}) N_{lm} P_l^m(z) / (1 − z²)^{m/2}
+/// ```math
+/// y_{l,±m} = q_{l,m}(z) {Re, Im} (x + iy)^m,  q_{l,m}(z) = √(2 − δ_{m0}) N_{lm} P_l^m(z) / (1 − z²)^{m/2}
+/// ```
 ///
 /// The normalised associated Legendre function without (−1)^m is q_{l,m} sin^m θ, with its factor √2 for m > 0.
 /// Dividing by the sine makes it a polynomial, which has a value at the poles.

@@ -19,8 +19,10 @@ pub use self::legendre::associated_legendre;
 
 /// The real, orthonormal spherical harmonics of `bands`, without the Condon–Shortley phase, at index l(l+1) + m.
 ///
-///   y_{l,0} = N_{l0} P_l(z),  y_{l,±m} = √2 N_{lm} P_l^m(z) {cos mφ, sin mφ}  (m > 0)
-///   N_{lm}² = (2l+1)/4π · (l−m)!/(l+m)!        [Sun 2008, eqs. 2.5–2.10, less their (−1)^m: see docs/errata.md]
+/// ```math
+/// y_{l,0} = N_{l0} P_l(z),  y_{l,±m} = √2 N_{lm} P_l^m(z) {cos mφ, sin mφ}  (m > 0)
+/// N_{lm}² = (2l+1)/4π · (l−m)!/(l+m)!        [Sun 2008, eqs. 2.5–2.10, less their (−1)^m: see docs/errata.md]
+/// ```
 ///
 /// Built once; `eval` and its batch forms do not allocate. Each value has the same bits by every entry point, on every
 /// machine and for any number of points in the call.
@@ -122,7 +124,7 @@ impl<T: Real> Basis<T> {
     /// # Panics
     /// If the three slices differ in length or `out.len()` is not bands² times it.
     #[track_caller]
-    pub fn eval_rows(&self, x: &[T], y: &[T], z: &[T], out: &mut [T]) {
+    pub fn eval_batch(&self, x: &[T], y: &[T], z: &[T], out: &mut [T]) {
         let points = self.check_points(x, y, z);
         check_length("values", self.coefficient_count() * points, out.len());
         self.arch.dispatch(Batch(EvalRows { basis: self, d: [x, y, z], out }));
@@ -143,7 +145,7 @@ impl<T: Real> Basis<T> {
 
     /// The values of f = Σ c_i y_i at many directions, basis values never stored.
     ///
-    /// Cost, counted: about 2.5 multiplications a coefficient and point; [`eval_rows`](Self::eval_rows) and a dot
+    /// Cost, counted: about 2.5 multiplications a coefficient and point; [`eval_batch`](Self::eval_batch) and a dot
     /// product have 3.5, and a store and a load.
     ///
     /// # Panics
@@ -207,13 +209,14 @@ impl<T: Real> Basis<T> {
         walk_gradient(&self.table, self.bands, d, &mut GradientPoint { values, gradients });
     }
 
-    /// All y_i and their gradients at many directions, a row for each coefficient as in [`eval_rows`](Self::eval_rows),
-    /// a slice for each component; the gradient is that of [`gradient`](Self::gradient).
+    /// All y_i and their gradients at many directions, a row for each coefficient as in
+    /// [`eval_batch`](Self::eval_batch), a slice for each component; the gradient is that of
+    /// [`gradient`](Self::gradient).
     ///
     /// # Panics
     /// If the three slices differ in length or an output's length is not bands² times it.
     #[track_caller]
-    pub fn gradient_rows(&self, [x, y, z]: [&[T]; 3], values: &mut [T], gradients: [&mut [T]; 3]) {
+    pub fn gradient_batch(&self, [x, y, z]: [&[T]; 3], values: &mut [T], gradients: [&mut [T]; 3]) {
         let points = self.check_points(x, y, z);
         check_length("values", self.coefficient_count() * points, values.len());
         for g in &gradients {
@@ -248,13 +251,13 @@ impl<T: Real> Basis<T> {
     }
 
     /// All y_i, their gradients and Hessians at many directions, a row for each coefficient as in
-    /// [`eval_rows`](Self::eval_rows), a slice for each component: x, y, z, and xx, xy, xz, yy, yz, zz of the Hessian
+    /// [`eval_batch`](Self::eval_batch), a slice for each component: x, y, z, and xx, xy, xz, yy, yz, zz of the Hessian
     /// that [`hessian`](Self::hessian) defines.
     ///
     /// # Panics
     /// If the three slices differ in length or an output's length is not bands² times it.
     #[track_caller]
-    pub fn hessian_rows(
+    pub fn hessian_batch(
         &self,
         [x, y, z]: [&[T]; 3],
         values: &mut [T],

@@ -1,4 +1,4 @@
-//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run --release -p haarmonic-generate`.
+//! All y of 1 to 8 bands at one direction, in straight lines. Written by `cargo run -p haarmonic-generate`.
 
 use crate::Real;
 

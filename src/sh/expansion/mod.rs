@@ -19,8 +19,8 @@ mod sealed {
 /// `[T; 64]` of `f32` or `f64`.
 ///
 /// For code that has one vector at a time, as a shader has: no plan to keep, no lengths to go wrong. Where there are
-/// many vectors, [`Basis::eval_rows`](super::Basis::eval_rows), [`Product::batch`], [`Rotation`](super::Rotation) and
-/// [`Rotator::batch`] take a fraction of the time for each.
+/// many vectors, [`Basis::eval_batch`](super::Basis::eval_batch), [`Product::apply_batch`],
+/// [`Rotation`](super::Rotation) and [`Rotator::apply_quaternion_batch`] take a fraction of the time for each.
 ///
 /// Values of any size, and products, squares and rotations by matrices of up to three bands, are inlined: in a loop
 /// over arrays the compiler may put several vectors side by side. From four bands on they keep constants, which the
@@ -56,7 +56,9 @@ pub trait Expansion: Copy + Send + Sync + sealed::Sealed + 'static {
 
     /// The product, truncated to as many bands.
     ///
-    ///   h_k = Σ_ij a_i b_j Γ_ijk                                                [Sun 2008, §2.4]
+    /// ```math
+    /// h_k = Σ_ij a_i b_j Γ_ijk                                                [Sun 2008, §2.4]
+    /// ```
     ///
     /// The same bits as [`Product::apply`], where its accuracy is given.
     fn product(&self, other: &Self) -> Self;
@@ -93,7 +95,9 @@ fn rotate_vector<T: Real>(rotation: &Rotation3<T>, f: &[T; 4]) -> [T; 4] {
 
 /// Two bands by [`rotate_vector`], and degree 2 as the quadratic form ½ k xᵀMx, which becomes R M Rᵀ:
 ///
-///   M = [[c₂ − u, c₋₂, c₁], [c₋₂, −c₂ − u, c₋₁], [c₁, c₋₁, 2u]],  u = c₀/√3,  k = √(15/4π)
+/// ```math
+/// M = [[c₂ − u, c₋₂, c₁], [c₋₂, −c₂ − u, c₋₁], [c₁, c₋₁, 2u]],  u = c₀/√3,  k = √(15/4π)
+/// ```
 ///
 /// M keeps its trace, 0, so M_xx need not be formed.
 #[inline(always)]

@@ -1,7 +1,5 @@
 //! The logarithm of a disc's visibility, tabulated over its angle.
 
-use std::marker::PhantomData;
-
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::piecewise::Piecewise;
@@ -36,7 +34,9 @@ impl Default for CapFit {
 
 /// The logarithm of the visibility of a disc that hides what is within the angle θ of the z axis, for any θ.
 ///
-///   f(θ) = log g(θ),  g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1)     [Sun 2008, eq. 5.36]
+/// ```math
+/// f(θ) = log g(θ),  g_0 = √π (1 + cos θ),  g_l = −2π K_l (P_{l−1} − P_{l+1})(cos θ)/(2l+1)     [Sun 2008, eq. 5.36]
+/// ```
 ///
 /// It is zonal: n coefficients (l, 0), to be turned to the disc's direction; logarithms of several discs add up.
 /// Tabulated is f_l/(1 − cos θ), which is finite at θ = 0, in pieces that end where f has a kink: where the clipping of
@@ -56,14 +56,13 @@ impl Default for CapFit {
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct CapLog<T> {
+pub struct CapLog {
     bands: usize,
     table: Piecewise,
     error: f64,
-    scalar: PhantomData<T>,
 }
 
-impl<T: Real> CapLog<T> {
+impl CapLog {
     /// The largest angle of [`CapFit::Products`]: with more only a hole of less than 37° about −z is left.
     pub const LARGEST: f64 = 2.5;
 
@@ -101,7 +100,7 @@ impl<T: Real> CapLog<T> {
                 Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?
             }
         };
-        Ok(Self { bands, table, error, scalar: PhantomData })
+        Ok(Self { bands, table, error })
     }
 
     /// The number of bands.
@@ -125,7 +124,7 @@ impl<T: Real> CapLog<T> {
     /// # Panics
     /// If `out.len()` is not the number of bands.
     #[track_caller]
-    pub fn eval(&self, theta: T, out: &mut [T]) {
+    pub fn eval<T: Real>(&self, theta: T, out: &mut [T]) {
         check_length("zonal coefficients", self.bands, out.len());
         let theta = theta.widen();
         let theta = if theta < 0.0 { 0.0 } else { theta };

@@ -160,7 +160,7 @@ impl<T: Real> Exponential<T> {
         }
     }
 
-    /// How much scratch [`batch`](Self::batch) wants, at least, whatever the number of vectors.
+    /// How much scratch [`apply_batch`](Self::apply_batch) wants, at least, whatever the number of vectors.
     pub fn scratch_len(&self) -> usize {
         match &self.form {
             Form::Series(series) => series.scratch_len(),
@@ -176,13 +176,13 @@ impl<T: Real> Exponential<T> {
     /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than
     /// [`scratch_len`](Self::scratch_len).
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         check_length("logarithms", (self.bands * self.bands).saturating_mul(count), f.len());
         check_length("exponentials", (self.bands * self.bands).saturating_mul(count), out.len());
         check_scratch(self.scratch_len(), scratch.len());
         match &self.form {
-            Form::Series(series) => series.batch(count, f, out, scratch),
-            Form::Scaled(scaled) => scaled.batch(count, f, out, scratch),
+            Form::Series(series) => series.apply_batch(count, f, out, scratch),
+            Form::Scaled(scaled) => scaled.apply_batch(count, f, out, scratch),
             Form::Grid(grid) => grid.exp(count, f, out),
             Form::Linear(linear) => self.linear(linear, count, f, out),
             Form::Eigen(product, fallback) => self.eigen(product, fallback, count, f, out),
@@ -304,7 +304,7 @@ impl<T: Real> Scaled<T> {
         (BUFFERS + 2) * self.bands * self.bands * lanes::<T>()
     }
 
-    fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
+    fn apply_batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;
         in_blocks(size, count, f, out, scratch, |width, f, out, buffers| self.run(width, f, out, buffers));
     }

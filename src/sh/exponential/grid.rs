@@ -19,7 +19,9 @@ const MOST_ORDERS: usize = 63;
 
 /// h(f) by evaluating f on a grid of the sphere, applying h there and projecting back: the pointwise form, for any h.
 ///
-///   out_i = Σ_p w_p h(f(ω_p)) y_i(ω_p) ≈ ∫ h(f(ω)) y_i(ω) dω                  [Sun 2008, eq. 5.15, the integral as a sum]
+/// ```math
+/// out_i = Σ_p w_p h(f(ω_p)) y_i(ω_p) ≈ ∫ h(f(ω)) y_i(ω) dω               [Sun 2008, eq. 5.15, the integral as a sum]
+/// ```
 ///
 /// 2·bands Gauss–Legendre rings of 4·bands points: exact where h(f) y_i has degree up to 4·bands − 1, as for a square;
 /// otherwise the more rings the closer ([`with_rings`](Self::with_rings)). Where the products of
@@ -111,7 +113,7 @@ impl<T: Real> GridFunction<T> {
     /// If `f.len()` or `out.len()` is not bands².
     #[track_caller]
     pub fn apply(&self, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
-        self.batch(1, f, h, out);
+        self.apply_batch(1, f, h, out);
     }
 
     /// `count` expansions at once, coefficient-major: coefficient i of vector v is at i·`count` + v. The same bits as
@@ -120,7 +122,7 @@ impl<T: Real> GridFunction<T> {
     /// # Panics
     /// If `f.len()` or `out.len()` is not `count` times bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], h: impl Fn(T) -> T, out: &mut [T]) {
         self.run(count, f, &Closure(h), out);
     }
 

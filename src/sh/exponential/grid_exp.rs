@@ -4,7 +4,9 @@ use crate::Real;
 
 /// e^x for x in −87…85 (`f32`) or −708…705 (`f64`), with x beyond taken as the nearest of them; NaN stays NaN.
 ///
-///   x = k ln 2 + r, |r| ≤ ln 2 / 2,  e^x = 2^k Σ r^i/i!  up to i = 7 (`f32`, 5e-9 left out) or 13 (`f64`, 4e-18)
+/// ```math
+/// x = k ln 2 + r, |r| ≤ ln 2 / 2,  e^x = 2^k Σ r^i/i!  up to i = 7 (f32, 5e-9 left out) or 13 (f64, 4e-18)
+/// ```
 ///
 /// The upper ends leave a sum over the sphere room below the largest number.
 #[inline(always)]

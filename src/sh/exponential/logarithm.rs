@@ -5,6 +5,7 @@ use super::grid::GridFunction;
 use super::series::check_bands;
 use super::spectrum::{ProductSpectrum, check_input};
 use super::zonal::{Zonal, check_largest, log_ratio};
+use crate::error::check_length;
 use crate::sh::Product;
 use crate::{Error, Real, Result};
 
@@ -36,7 +37,9 @@ impl Default for LogMethod {
 
 /// log g of expansions whose function may be 0 or negative here and there, as projected visibility is.
 ///
-///   log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
+/// ```math
+/// log g = Rᵀ q′(max(D, ε λ_max)) R (g − 1),  q′(x) = log x/(x − 1),  M_g = Rᵀ D R     [Sun 2008, eqs. 5.33–5.35]
+/// ```
 ///
 /// Where no eigenvalue is clipped this is log(M_g)·1, and exp(M_f)·1 gives g back to some 1e-5 (M of log g is not log
 /// of M_g but for the first column). The largest eigenvalue is that of all of M_g.
@@ -96,14 +99,19 @@ impl Logarithm {
     /// `out` = log g.
     ///
     /// # Errors
-    /// [`Error::Length`] if `g.len()` or `out.len()` is not bands², [`Error::NotFinite`] if g has NaN or infinity,
-    /// [`Error::OutOfRange`] if nothing of g is positive (the largest eigenvalue or value, as of the zero vector, which
-    /// is the visibility of nothing at all: give what is hidden everywhere a small constant instead).
+    /// [`Error::NotFinite`] if g has NaN or infinity, [`Error::OutOfRange`] if nothing of g is positive (the largest
+    /// eigenvalue or value, as of the zero vector, which is the visibility of nothing at all: give what is hidden
+    /// everywhere a small constant instead).
+    ///
+    /// # Panics
+    /// If `g.len()` or `out.len()` is not bands².
+    #[track_caller]
     pub fn apply<T: Real>(&self, g: &[T], out: &mut [T]) -> Result<()> {
         let size = self.bands * self.bands;
         let g: Vec<f64> = g.iter().map(|x| x.widen()).collect();
+        check_length("expansion", size, g.len());
+        check_length("logarithm", size, out.len());
         check_input("expansion", size, &g)?;
-        check_output(size, out.len())?;
         let log = match self.method {
             LogMethod::Eigenvalues { floor } => self.by_eigenvalues(&g, floor)?,
             LogMethod::Clipped { floor } => self.on_grid(&g, floor)?,
@@ -137,11 +145,16 @@ impl Logarithm {
     /// a block for each order m: about bands⁴ operations.
     ///
     /// # Errors
-    /// As [`apply`](Self::apply), for lengths of bands.
+    /// As [`apply`](Self::apply).
+    ///
+    /// # Panics
+    /// If `g.len()` or `out.len()` is not the number of bands.
+    #[track_caller]
     pub fn apply_zonal<T: Real>(&self, g: &[T], out: &mut [T]) -> Result<()> {
         let zonal: Vec<f64> = g.iter().map(|x| x.widen()).collect();
+        check_length("zonal expansion", self.bands, zonal.len());
+        check_length("zonal logarithm", self.bands, out.len());
         check_input("zonal expansion", self.bands, &zonal)?;
-        check_output(self.bands, out.len())?;
         let log = match self.method {
             LogMethod::Eigenvalues { floor } => self.zonal.log(&zonal, 0.0, floor)?.log,
             LogMethod::Clipped { floor } => {
@@ -154,8 +167,4 @@ impl Logarithm {
         out.iter_mut().zip(log).for_each(|(out, x)| *out = T::of(x));
         Ok(())
     }
-}
-
-fn check_output(expected: usize, got: usize) -> Result<()> {
-    if expected == got { Ok(()) } else { Err(Error::Length { what: "logarithm", expected, got }) }
 }

@@ -15,7 +15,9 @@ const TOLERANCE: f64 = 1e-6;
 
 /// exp(f) ≈ e^{f_0/√4π} (a·1 + b f̂) with the a and b that are best for a single disc with the same ‖f̂‖.
 ///
-///   a = (exp_*(f̂)·1)/4π,  b = (exp_*(f̂)·f̂)/‖f̂‖²,  f = log of a disc's visibility, f̂ = f without f_0
+/// ```math
+/// a = (exp_*(f̂)·1)/4π,  b = (exp_*(f̂)·f̂)/‖f̂‖²,  f = log of a disc's visibility, f̂ = f without f_0
+/// ```
 ///
 /// (Not in the thesis, which names it only: see docs/errata.md.) The least-squares fit to exp_*(f̂) = exp(M_f̂)·1, as
 /// 1·f̂ = 0. Tabulated over the angle of the disc, 0 to a right angle, against x = ‖f̂‖; logarithms by eigenvalues with

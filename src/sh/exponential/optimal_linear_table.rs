@@ -1,6 +1,7 @@
 //! α and β of the optimal linear exponential, for bands 2 to 8. Written by the crate `generate`: do not edit.
 
-/// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev polynomials, α and β in turn.
+/// For each number of bands: the ends of the pieces in x = ‖f̂‖; for each piece c_0…c_7 of Chebyshev
+/// polynomials, α and β in turn.
 #[rustfmt::skip]
 pub(super) const TABLES: [(&[f64], &[f64]); 7] = [
     // 2 bands

@@ -23,11 +23,11 @@ impl<T: Real> Multiplier<T> {
     }
 
     pub(super) fn multiply(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
-        self.product.batch(count, a, b, out);
+        self.product.apply_batch(count, a, b, out);
     }
 
     pub(super) fn square(&self, count: usize, a: &[T], out: &mut [T]) {
-        self.square.batch(count, a, out);
+        self.square.apply_batch(count, a, out);
     }
 }
 
@@ -43,7 +43,9 @@ pub enum Powers {
 
 /// A power series of an expansion with truncated products for powers.
 ///
-///   h_*(f) = h_0 1 + h_1 f + h_2 f*f + h_3 f*f*f + …              [Sun 2008, eqs. 5.20, 5.27; the counts are corrected]
+/// ```math
+/// h_*(f) = h_0 1 + h_1 f + h_2 f*f + h_3 f*f*f + …             [Sun 2008, eqs. 5.20, 5.27; the counts are corrected]
+/// ```
 ///
 /// The limit of infinitely many terms is h(M_f)·1, M_f the product matrix, which
 /// [`ProductSpectrum`](super::ProductSpectrum) gives: a series of [`Powers::LeftToRight`] is a polynomial of M_f;
@@ -145,7 +147,7 @@ impl<T: Real> ProductSeries<T> {
         on_stack(self.bands, |buffers| self.run(1, f, out, buffers));
     }
 
-    /// How much scratch [`batch`](Self::batch) wants, at least, whatever the number of vectors.
+    /// How much scratch [`apply_batch`](Self::apply_batch) wants, at least, whatever the number of vectors.
     pub fn scratch_len(&self) -> usize {
         (Self::BUFFERS + 2) * self.bands * self.bands * lanes::<T>()
     }
@@ -157,7 +159,7 @@ impl<T: Real> ProductSeries<T> {
     /// If `f.len()` or `out.len()` is not `count` times bands², or `scratch` is shorter than
     /// [`scratch_len`](Self::scratch_len).
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], out: &mut [T], scratch: &mut [T]) {
         let size = self.bands * self.bands;
         check_length("expansions", size.saturating_mul(count), f.len());
         check_length("functions of them", size.saturating_mul(count), out.len());

@@ -8,7 +8,9 @@ use crate::{Error, Result};
 
 /// Eigenvalues and eigenvectors of a product matrix M_f, and functions of it.
 ///
-///   M_f = Rᵀ D R,  h(M_f) v = Rᵀ h(D) R v                       [Sun 2008, eqs. 5.30–5.33]
+/// ```math
+/// M_f = Rᵀ D R,  h(M_f) v = Rᵀ h(D) R v                       [Sun 2008, eqs. 5.30–5.33]
+/// ```
 ///
 /// h(M_f)·1 is the limit of the product series of h ([`ProductSeries`](super::ProductSeries)) for every analytic h: eq.
 /// 5.31 is exp(M_f)·1, eq. 5.33 is log(M_g)·1. The eigenvalues are within the range of f over the sphere, and h is only

@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::sh::{Basis, Product, Zonal, bands_of};
 use crate::sphere::{CubeGrid, Face};
@@ -10,7 +11,9 @@ use crate::{Error, Real, Result};
 
 /// L_H(N) = L ∗ H(N): a light times the clamped cosine about any normal, to be dotted with visibility.
 ///
-///   H(N) = 1/π ∫ max(s·N, 0) y(s) ds,  L_H(N)_k = Σ_ij Γ_ijk L_i H(N)_j                     [Sun 2008, eq. 5.14]
+/// ```math
+/// H(N) = 1/π ∫ max(s·N, 0) y(s) ds,  L_H(N)_k = Σ_ij Γ_ijk L_i H(N)_j                     [Sun 2008, eq. 5.14]
+/// ```
 ///
 /// Since H(N) = (Â_l/π) y(N), L_H is linear in y(N): one matrix, without the columns of the odd degrees from 3, of
 /// which there are none in the cosine. The dot product of L_H(N) with the visibility g at a point is what a white plane
@@ -194,14 +197,4 @@ impl<T: Real> DiffuseLightTable<T> {
     }
 }
 
-impl<T: Real + approx::AbsDiffEq<Epsilon = T>> approx::AbsDiffEq for DiffuseLightTable<T> {
-    type Epsilon = T;
-
-    fn default_epsilon() -> T {
-        T::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
-        self.side == other.side && self.values[..].abs_diff_eq(&other.values[..], epsilon)
-    }
-}
+approx_by_parts!([T] DiffuseLightTable<T>, T, |t| close [&t.values] same [t.side]);

@@ -11,7 +11,9 @@ use crate::error::check_length;
 /// Irradiance on a plane of any normal, from the first three bands of the radiance: a quadratic form in the normal, a
 /// matrix a channel.
 ///
-///   E(n) = (n, 1)ᵀ M (n, 1)                                    [Ramamoorthi & Hanrahan 2001, eqs. 11 and 12]
+/// ```math
+/// E(n) = (n, 1)ᵀ M (n, 1)                                    [Ramamoorthi & Hanrahan 2001, eqs. 11 and 12]
+/// ```
 ///
 /// E = ∫ L max(n·ω, 0) dω with its π: a white Lambertian plane reflects E/π. Equal to convolving with
 /// [`Zonal::clamped_cosine`](super::super::Zonal::clamped_cosine) and evaluating 3 bands, for unit n. Of what the 3
@@ -111,7 +113,7 @@ impl<T: Real, const C: usize> Irradiance<T, C> {
     /// # Panics
     /// If the slices differ in length.
     #[track_caller]
-    pub fn batch(&self, normals: [&[T]; 3], out: [&mut [T]; C]) {
+    pub fn eval_batch(&self, normals: [&[T]; 3], out: [&mut [T]; C]) {
         let count = normals[0].len();
         check_length("y coordinates", count, normals[1].len());
         check_length("z coordinates", count, normals[2].len());

@@ -3,8 +3,10 @@
 //! At a circle of constant z both factors are trigonometric polynomials Σ α_m e^{imφ}, α_m = c_m − i s_m; the product's
 //! are
 //!
-//!   H_0 = α_0 β_0 + 2 Re Σ_{m>0} α_m β̄_m
-//!   H_M = α_0 β_M + α_M β_0 + Σ_{0<m<M} α_m β_{M−m} + Σ_{m>0} (α_{M+m} β̄_m + ᾱ_m β_{M+m})
+//! ```math
+//! H_0 = α_0 β_0 + 2 Re Σ_{m>0} α_m β̄_m
+//! H_M = α_0 β_M + α_M β_0 + Σ_{0<m<M} α_m β_{M−m} + Σ_{m>0} (α_{M+m} β̄_m + ᾱ_m β_{M+m})
+//! ```
 //!
 //! summed directly. A Fourier transform in azimuth would do fewer operations for many bands; it has not been tried.
 //! Near the poles high orders vanish, N P_lm ~ sin^m θ, and are left out where they are below 1e-3 eps. Exact up to

@@ -94,7 +94,9 @@ impl<T: Real> Form<T> {
 
 /// Product of two expansions, truncated to any number of bands.
 ///
-///   h_k = Σ_ij a_i b_j Γ_ijk                                                    [Sun 2008, §2.4]
+/// ```math
+/// h_k = Σ_ij a_i b_j Γ_ijk                                                    [Sun 2008, §2.4]
+/// ```
 ///
 /// With `bands_out` = bands_a + bands_b − 1 nothing is cut off, and the result is the product of the functions; beyond
 /// that the coefficients are 0. Truncated products commute but do not associate. To multiply many vectors by one and
@@ -163,7 +165,7 @@ impl<T: Real> Product<T> {
     #[inline]
     #[track_caller]
     pub fn apply(&self, a: &[T], b: &[T], out: &mut [T]) {
-        self.batch(1, a, b, out);
+        self.apply_batch(1, a, b, out);
     }
 
     /// `count` products at once, coefficient-major: coefficient i of vector v is at i·`count` + v in `a`, `b` and
@@ -174,7 +176,7 @@ impl<T: Real> Product<T> {
     /// # Panics
     /// If `a.len()`, `b.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
-    pub fn batch(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, a: &[T], b: &[T], out: &mut [T]) {
         check_length("factor a", square(self.bands[0]).saturating_mul(count), a.len());
         check_length("factor b", square(self.bands[1]).saturating_mul(count), b.len());
         check_length("product", square(self.bands[2]).saturating_mul(count), out.len());
@@ -183,7 +185,9 @@ impl<T: Real> Product<T> {
 
     /// The matrix of the product with `a`: row-major, bands_out² rows of bands_b², `matrix` · b = product of a and b.
     ///
-    ///   M_kj = Σ_i a_i Γ_ijk;   symmetric if bands_b = bands_out                       [Sun 2008, §2.4]
+    /// ```math
+    /// M_kj = Σ_i a_i Γ_ijk;   symmetric if bands_b = bands_out                       [Sun 2008, §2.4]
+    /// ```
     ///
     /// The first call makes a table of the non-zero Γ; the others do not allocate. Where the numbers of bands that meet
     /// add up to more than 48 there is no table: each call allocates and costs bands_b² products.
@@ -218,7 +222,9 @@ impl<T: Real> Product<T> {
 
     /// ∫ a b c over the sphere, c of bands_out, summed over c in f64.
     ///
-    ///   Σ_ijk a_i b_j c_k Γ_ijk
+    /// ```math
+    /// Σ_ijk a_i b_j c_k Γ_ijk
+    /// ```
     ///
     /// Cost: a product and a dot product.
     ///
@@ -242,7 +248,9 @@ impl<T: Real> Product<T> {
 
 /// Square of an expansion, truncated to any number of bands: [`Product`] with itself in less time.
 ///
-///   h_k = Σ_i a_i (Γ_iik a_i + Σ_{j>i} 2Γ_ijk a_j)
+/// ```math
+/// h_k = Σ_i a_i (Γ_iik a_i + Σ_{j>i} 2Γ_ijk a_j)
+/// ```
 ///
 /// Shapes: a: bands², out: bands_out², index l(l+1)+m. Accuracy, limits and layout as [`Product`].
 ///
@@ -290,15 +298,15 @@ impl<T: Real> Square<T> {
     #[inline]
     #[track_caller]
     pub fn apply(&self, a: &[T], out: &mut [T]) {
-        self.batch(1, a, out);
+        self.apply_batch(1, a, out);
     }
 
-    /// `count` squares at once, coefficient-major as [`Product::batch`]; the same bits as [`apply`](Self::apply).
+    /// `count` squares at once, coefficient-major as [`Product::apply_batch`]; the same bits as [`apply`](Self::apply).
     ///
     /// # Panics
     /// If `a.len()` or `out.len()` is not `count` times the square of its bands.
     #[track_caller]
-    pub fn batch(&self, count: usize, a: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, a: &[T], out: &mut [T]) {
         check_length("factor", square(self.bands[0]).saturating_mul(count), a.len());
         check_length("square", square(self.bands[1]).saturating_mul(count), out.len());
         self.form.run(self.arch, count, [a, a], out);

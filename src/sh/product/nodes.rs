@@ -2,7 +2,9 @@
 //!
 //! On a circle of constant z an expansion is Σ_m α_m e^{imφ} with α_m = c_m − i s_m, α_{−m} its conjugate, and
 //!
-//!   c_0 = Σ_l N P_l a_l0,   c_m, s_m = 1/√2 Σ_l N P_lm a_{l,±m};
+//! ```math
+//! c_0 = Σ_l N P_l a_l0,   c_m, s_m = 1/√2 Σ_l N P_lm a_{l,±m};
+//! ```
 //!
 //! and from the same of a function h its coefficients are Σ_z w 2π N P_l c_0 and Σ_z w 2√2 π N P_lm {c, s}_m.
 

@@ -2,7 +2,9 @@
 //!
 //! For each output k the non-zeros are grouped by i,
 //!
-//!   h_k = Σ_i a_i (Σ_j Γ_ijk b_j),
+//! ```math
+//! h_k = Σ_i a_i (Σ_j Γ_ijk b_j),
+//! ```
 //!
 //! so that a sum stays in registers until its output is done and only the sparse Γ, its partners' indices and the
 //! inputs are read. The square has Γ_ijk and Γ_jik in one entry, 2Γ_ijk at i < j. No fused multiply-add: every machine

@@ -18,7 +18,9 @@ use crate::{Real, Result};
 
 /// Projects cube maps of one grid onto the harmonics of `bands`; built once, for any number of maps.
 ///
-///   c_i = Σ f_t Ω_t y_i(ω_t)   or   Σ f_t ∫_t y_i dω  ([`TexelRule`])
+/// ```math
+/// c_i = Σ f_t Ω_t y_i(ω_t)   or   Σ f_t ∫_t y_i dω  (TexelRule)
+/// ```
 ///
 /// Shapes: `f32`, `f64` or RGB maps; a vector of bands² coefficients, index l(l+1) + m, for each channel.
 /// A NaN texel makes every coefficient of its channel NaN, an infinite one makes them infinite or NaN
@@ -101,7 +103,9 @@ impl<T: Real> CubeProjection<T> {
 
 /// Cube maps of one grid from coefficients of `bands`: the inverse plan of [`CubeProjection`].
 ///
-///   f_t = Σ c_i y_i(ω_t)   or   Σ c_i ∫_t y_i dω / Ω_t  ([`TexelRule`])
+/// ```math
+/// f_t = Σ c_i y_i(ω_t)   or   Σ c_i ∫_t y_i dω / Ω_t  (TexelRule)
+/// ```
 ///
 /// It is the transpose of projection: Σ_t Ω_t f_t g_t = Σ c_i d_i for the map f of c and the projection d of any map g.
 ///

@@ -4,7 +4,9 @@
 //! circle h is a trigonometric polynomial of degree L = bands − 1, and near a point where it attains its least value −R
 //! such a polynomial stays below −R cos(Ls) at distance s ≤ π/L [M. Riesz 1914]. So a point within δ of the minimum has
 //!
-//!   f ≤ min f + R (1 − cos Lδ).
+//! ```math
+//! f ≤ min f + R (1 − cos Lδ).
+//! ```
 //!
 //! A grid of covering radius δ therefore brackets the minimum, and R itself: R ≤ (half the range on the grid)/cos Lδ.
 //! Cells of the grid whose centre lies above the best value seen by more than that margin cannot hold the minimum; the
@@ -13,6 +15,7 @@
 use nalgebra::{Matrix2, UnitVector3, Vector2, Vector3};
 
 use super::{CubeReconstruction, TexelRule};
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::sh::Basis;
 use crate::sphere::{CubeGrid, CubeMap, Face};
@@ -234,3 +237,5 @@ impl Extrema {
         c.iter().zip(gradients).map(|(c, g)| g * *c).sum()
     }
 }
+
+approx_by_parts!([] Extremum, f64, |e| close [[e.value, e.bound], e.direction.as_slice()] same []);

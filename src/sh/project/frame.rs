@@ -26,7 +26,7 @@ impl Samples {
             (0..8 * count).map(|t| (0.25 * PI * t as f64 / count as f64).sin_cos().into()).collect();
         let component = |k: usize| (0..count).map(|j| waves[2 * j + 1][k]).collect::<Vec<f64>>();
         let mut y = vec![0.0; count * bands * bands];
-        basis.eval_rows(&component(1), &vec![0.0; count], &component(0), &mut y);
+        basis.eval_batch(&component(1), &vec![0.0; count], &component(0), &mut y);
         Ok(Self { count, y, waves })
     }
 
@@ -44,7 +44,9 @@ impl Samples {
 
 /// Fourier coefficients of the normalised Legendre functions along a whole meridian.
 ///
-///   y_{l,m}(cos α, 0, sin α) = Σ_k D_{lmk} {cos kα (l − m even), sin kα (l − m odd)},  k = l, l−2, …, m ≥ 0
+/// ```math
+/// y_{l,m}(cos α, 0, sin α) = Σ_k D_{lmk} {cos kα (l − m even), sin kα (l − m odd)},  k = l, l−2, …, m ≥ 0
+/// ```
 ///
 /// The parity: α → −α mirrors z, α → α + π is the antipode. By the discrete transform, which is exact.
 #[derive(Debug, Clone)]
@@ -94,7 +96,9 @@ impl Meridians {
 
 /// Turns coefficients between the world and a frame whose axes (x', y', z') are the world's (y, z, x).
 ///
-///   y(Rω) = M y(ω),  Rω = (y, z, x)
+/// ```math
+/// y(Rω) = M y(ω),  Rω = (y, z, x)
+/// ```
 ///
 /// On the equator ω = (cos φ, sin φ, 0) the right side is Σ M_{i,lm} p_{lm} {cos, sin} mφ, p the Legendre functions at
 /// 0, and the left a meridian, α = π/2 − φ: M is D over p. That gives what is even in z: l − m even on the right, no

@@ -1,7 +1,8 @@
 //! Latitude–longitude maps: Fourier sums of each row, then Legendre functions across the rows.
 //!
-//! The map's pole is +y. In the frame with axes (x', y', z') = (z, x, y) the azimuth of image coordinate u is −2πu, so a row's
-//! texels meet only bands cosines and as many sines; the Legendre functions are for each row, and the axes are permuted at last.
+//! The map's pole is +y. In the frame with axes (x', y', z') = (z, x, y) the azimuth of image coordinate u is −2πu, so
+//! a row's texels meet only bands cosines and as many sines; the Legendre functions are for each row, and the axes are
+//! permuted at last.
 
 use std::f64::consts::PI;
 
@@ -18,13 +19,16 @@ use crate::{Real, Result};
 
 /// Projects latitude–longitude maps of one grid onto the harmonics of `bands`; built once, for any number of maps.
 ///
-///   c_i = Σ f_p Ω_p y_i(ω_p)   or   Σ f_p ∫_p y_i dω  ([`TexelRule`])
+/// ```math
+/// c_i = Σ f_p Ω_p y_i(ω_p)   or   Σ f_p ∫_p y_i dω  (TexelRule)
+/// ```
 ///
 /// Shapes and NaN: as [`CubeProjection`](super::CubeProjection).
 ///
 /// Accuracy: as [`CubeProjection`](super::CubeProjection); tested to 3e-13 in `f64`, 1.4e-5 in `f32`, up to 17 bands.
-/// Cost: bands multiplications a pixel and channel ([`Basis::accumulate`]: bands²), pixels that mirror each other sharing theirs,
-/// and bands² a row. Memory: height·bands²/4 numbers. Parallel over rows, the same bits for any number of threads.
+/// Cost: bands multiplications a pixel and channel ([`Basis::accumulate`]: bands²), pixels that mirror each other
+/// sharing theirs, and bands² a row. Memory: height·bands²/4 numbers. Parallel over rows, the same bits for any number
+/// of threads.
 ///
 /// # Example
 /// ```
@@ -42,8 +46,8 @@ pub struct LatLongProjection<T> {
     rows: Parallels,
 }
 
-/// The coefficients of a latitude–longitude map, `bands`² for each channel, by the rule of pixel centres. One shot: for many maps
-/// keep a [`LatLongProjection`].
+/// The coefficients of a latitude–longitude map, `bands`² for each channel, by the rule of pixel centres. One shot: for
+/// many maps keep a [`LatLongProjection`].
 ///
 /// # Errors
 /// As [`LatLongProjection::new`].
@@ -100,11 +104,12 @@ impl<T: Real> LatLongProjection<T> {
     }
 }
 
-/// Latitude–longitude maps of one grid from coefficients of `bands`: the inverse plan of [`LatLongProjection`], and its transpose
-/// in the sense of [`CubeReconstruction`](super::CubeReconstruction).
+/// Latitude–longitude maps of one grid from coefficients of `bands`: the inverse plan of [`LatLongProjection`], and its
+/// transpose in the sense of [`CubeReconstruction`](super::CubeReconstruction).
 ///
-/// Accuracy: as [`CubeReconstruction`](super::CubeReconstruction); back to 5e-5 (3 bands) and 1e-4 (6 bands) at 256 × 128 by centres.
-/// Cost: bands multiplications a pixel and channel, bands² a row. Parallel over rows, the same bits for any number of threads.
+/// Accuracy: as [`CubeReconstruction`](super::CubeReconstruction); back to 5e-5 (3 bands) and 1e-4 (6 bands) at 256 ×
+/// 128 by centres. Cost: bands multiplications a pixel and channel, bands² a row. Parallel over rows, the same bits for
+/// any number of threads.
 #[derive(Debug, Clone)]
 pub struct LatLongReconstruction<T> {
     grid: LatLongGrid,
@@ -138,7 +143,8 @@ impl<T: Real> LatLongReconstruction<T> {
         LatLongMap::new(self.grid, pixels).expect("one value a pixel")
     }
 
-    /// [`reconstruct`](Self::reconstruct) into pixels that are there: fresh memory for a large map can take longer than its values.
+    /// [`reconstruct`](Self::reconstruct) into pixels that are there: fresh memory for a large map can take longer than
+    /// its values.
     ///
     /// # Panics
     /// If an expansion is not bands² long or there is not one pixel for each of the grid's.
@@ -221,7 +227,8 @@ impl Parallels {
         own * grid.solid_angle(row)
     }
 
-    /// Visits coefficients with the place of their moment and their value: y_{l,m} has the parity of l − m across the equator.
+    /// Visits coefficients with the place of their moment and their value: y_{l,m} has the parity of l − m across the
+    /// equator.
     #[inline(always)]
     fn walk(&self, row: usize, mut visit: impl FnMut(usize, usize, f64)) {
         let functions = padded(self.bands);

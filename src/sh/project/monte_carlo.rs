@@ -6,6 +6,7 @@ use nalgebra::{Quaternion, Rotation3, UnitQuaternion, UnitVector3};
 
 use super::function::{accumulate, components};
 use super::rows::for_each_slot;
+use crate::approx_eq::approx_by_parts;
 use crate::sh::Basis;
 use crate::sphere::fibonacci_directions;
 use crate::{Error, Result};
@@ -107,3 +108,7 @@ fn uniform(seed: u64, counter: u64) -> f64 {
     let bits = mix(mix(seed.wrapping_add(STEP)).wrapping_add(STEP.wrapping_mul(counter + 1)));
     (bits >> 11) as f64 * 2f64.powi(-53)
 }
+
+approx_by_parts!(
+    [const C: usize] MonteCarlo<C>, f64, |m| close [m.coefficients.concat(), m.errors.concat()] same [m.samples]
+);

@@ -9,7 +9,9 @@ use crate::{Error, Real, Result};
 
 /// Fits expansions of `bands` to values at scattered directions; factored once, for any number of values.
 ///
-///   c = argmin Σ_p w_p (f_p − Σ_i c_i y_i(ω_p))² + λ ∫ (Δf)²,   ∫ (Δf)² = Σ l²(l+1)² c_i²
+/// ```math
+/// c = argmin Σ_p w_p (f_p − Σ_i c_i y_i(ω_p))² + λ ∫ (Δf)²,   ∫ (Δf)² = Σ l²(l+1)² c_i²
+/// ```
 ///
 /// The penalty on the squared Laplacian bridges gaps smoothly; with weights that are solid angles (they sum to 4π, as
 /// the default 4π/n does) and samples as dense as a quadrature rule the fit is projection times
@@ -161,7 +163,7 @@ fn factor(basis: &Basis<f64>, d: &[Vec<f64>; 3], weights: &[f64], lambda: f64) -
     for start in (0..weights.len()).step_by(block) {
         let end = weights.len().min(start + block);
         let mut y = vec![0.0; size * (end - start)];
-        basis.eval_rows(&d[0][start..end], &d[1][start..end], &d[2][start..end], &mut y);
+        basis.eval_batch(&d[0][start..end], &d[1][start..end], &d[2][start..end], &mut y);
         // Column-major, as nalgebra stores it: a row for each coefficient is a column of the matrix.
         let rows = DMatrix::from_vec(end - start, size, y);
         let mut stacked = DMatrix::zeros(size + end - start, size);

@@ -8,7 +8,9 @@ use crate::error::check_length;
 
 /// Turns an expansion about z by `angle`, in place, x towards y.
 ///
-///   c_{l,m} ← cos mα c_{l,m} − sin mα c_{l,−m},  c_{l,−m} ← sin mα c_{l,m} + cos mα c_{l,−m}
+/// ```math
+/// c_{l,m} ← cos mα c_{l,m} − sin mα c_{l,−m},  c_{l,−m} ← sin mα c_{l,m} + cos mα c_{l,−m}
+/// ```
 ///
 /// Cost: 2 multiplications a coefficient. For many, [`rotate_z_batch`]. An infinite angle is NaN.
 ///

@@ -16,8 +16,10 @@ use crate::{Error, Real, Result};
 
 /// The matrix of one rotation, a dense block for each degree.
 ///
-///   y(Rω) = M y(ω),  (Rf)(ω) = f(R⁻¹ω) has the coefficients M f                  [Sun 2008, eq. 2.11: see docs/errata.md]
-///   M(R₁R₂) = M(R₁) M(R₂),  M(R⁻¹) = Mᵀ
+/// ```math
+/// y(Rω) = M y(ω),  (Rf)(ω) = f(R⁻¹ω) has the coefficients M f               [Sun 2008, eq. 2.11: see docs/errata.md]
+/// M(R₁R₂) = M(R₁) M(R₂),  M(R⁻¹) = Mᵀ
+/// ```
 ///
 /// Built in `f64` from constant matrices, as [`Rotator`](super::Rotator) says, and then narrowed; what it says of
 /// degenerate rotations and of matrices that are not quite orthogonal holds here.
@@ -153,7 +155,7 @@ impl<T: Real> Rotation<T> {
     /// # Panics
     /// If `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, f: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, f: &[T], out: &mut [T]) {
         check_length("coefficients", (self.bands * self.bands).saturating_mul(count), f.len());
         check_length("rotated coefficients", (self.bands * self.bands).saturating_mul(count), out.len());
         if count < blocks::least::<T>() {

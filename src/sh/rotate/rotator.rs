@@ -30,7 +30,9 @@ const UNROLLED: usize = 6;
 
 /// Rotates expansions, each by a rotation of its own that need not be known before.
 ///
-///   (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
+/// ```math
+/// (Rf)(ω) = f(R⁻¹ω):  out = Z(α) P Z(−β) P Z(γ) f,  R = R_z(α) R_y(β) R_z(γ)
+/// ```
 ///
 /// Z turns about z, (m, −m) by mα; P, the constant matrix of the mirror that swaps y and z, is three quarters zeros.
 /// cos and sin of the turns are algebraic in the rotation: no angle, no trigonometric function. That is what batches
@@ -137,7 +139,7 @@ impl<T: Real> Rotator<T> {
     /// # Panics
     /// If a component is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
+    pub fn apply_quaternion_batch(&self, count: usize, quaternions: [&[T]; 4], f: &[T], out: &mut [T]) {
         for c in quaternions {
             check_length("rotations", count, c.len());
         }
@@ -162,7 +164,7 @@ impl<T: Real> Rotator<T> {
     /// # Panics
     /// If an entry is not `count` long or `f.len()` or `out.len()` is not `count` · bands².
     #[track_caller]
-    pub fn batch_matrices(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
+    pub fn apply_batch(&self, count: usize, matrices: [&[T]; 9], f: &[T], out: &mut [T]) {
         for c in matrices {
             check_length("rotations", count, c.len());
         }

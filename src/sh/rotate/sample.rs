@@ -1,7 +1,9 @@
 //! Rotation by sampling, for few bands: the rotated function at fixed directions d_i, then the coefficients that have
 //! these samples.
 //!
-//!   g_{l,i} = Σ_m f_{lm} y_{lm}(R⁻¹ d_i),  out_l = B_l g_l,  B_l = [y_{lm}(d_i)]⁻¹, i ≤ 2l
+//! ```math
+//! g_{l,i} = Σ_m f_{lm} y_{lm}(R⁻¹ d_i),  out_l = B_l g_l,  B_l = [y_{lm}(d_i)]⁻¹, i ≤ 2l
+//! ```
 //!
 //! It is the transpose of rotating zonal lobes [Nowrouzezahrai et al. 2012]. Lanes are directions first, then orders:
 //! no sum across lanes, no root, no axis that can be lost.
@@ -11,7 +13,9 @@
 //!
 //! y_{lm} = k_{lm} p_{lm}(z) {Re, Im} (x + iy)^m with monic p:
 //!
-//!   p_{m,m} = 1,  p_{m+1,m} = z,  p_{l+1,m} = z p_{l,m} − β_{l,m} p_{l−1,m},  β_{l,m} = (l² − m²)/(4l² − 1)
+//! ```math
+//! p_{m,m} = 1,  p_{m+1,m} = z,  p_{l+1,m} = z p_{l,m} − β_{l,m} p_{l−1,m},  β_{l,m} = (l² − m²)/(4l² − 1)
+//! ```
 //!
 //! and the k_{lm} go to f.
 

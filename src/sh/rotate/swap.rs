@@ -1,6 +1,8 @@
 //! The constant matrix P of the mirror (x, y, z) → (x, z, y), which turns turns about z into turns about y:
 //!
-//!   R = R_z(α) R_y(β) R_z(γ),  R_y(β) = S R_z(−β) S,  so M(R) = Z(α) P Z(−β) P Z(γ)
+//! ```math
+//! R = R_z(α) R_y(β) R_z(γ),  R_y(β) = S R_z(−β) S,  so M(R) = Z(α) P Z(−β) P Z(γ)
+//! ```
 //!
 //! P is symmetric, its own inverse, and three quarters of it are 0: S changes parity in y for parity in z and keeps
 //! that in x. With i = l + m, entry (i, j) can differ from 0 only if (i ≥ l ⟺ j even) and (j ≥ l ⟺ i even).
@@ -8,12 +10,17 @@
 //! S is a quarter turn about x and a mirror, so the entries are Wigner's d at a right angle, M ≥ K the larger and the
 //! smaller of |m|, |m'|:
 //!
-//!   P = ± d^l_{MK}(π/2) · {1, √2, 2 for two, one or no zero among m, m'}
-//!   + if (M − K) mod 4 is 0 or 1, − otherwise; the other sign if both m and m' are negative
+//! ```math
+//! P = ± d^l_{MK}(π/2) · {1, √2, 2 for two, one or no zero among m, m'}
+//! + if (M − K) mod 4 is 0 or 1, − otherwise; the other sign if both m and m' are negative
+//! ```
 //!
 //! d is the Jacobi recurrence in l at fixed M, K [Varshalovich et al. 1988, §4.8], at cos β = 0:
 //!
-//!   d^M_{MK} = 2^{−M} √C(2M, M+K),   w_{l+1} d^{l+1} = −(2l+1) M K/(l(l+1)) d^l − w_l d^{l−1},   w_l = √((l²−M²)(l²−K²))/l
+//! ```math
+//! d^M_{MK} = 2^{−M} √C(2M, M+K),
+//! w_{l+1} d^{l+1} = −(2l+1) M K/(l(l+1)) d^l − w_l d^{l−1},   w_l = √((l²−M²)(l²−K²))/l
+//! ```
 //!
 //! P² = 1 holds to 2e-15 at 128 bands. The recurrence of blocks from block to block [Ivanic & Ruedenberg 1996] loses
 //! digits exponentially: 1e-15 at 16 bands, 1e-11 at 64, 4e-6 at 128.

@@ -2,7 +2,9 @@
 //!
 //! Of a quaternion, whatever its length: with p = w² + z² and q = x² + y²
 //!
-//!   e^{iα} = (w + iz)(y − ix)/√(pq),  e^{iγ} = (w + iz)(y + ix)/√(pq),  e^{iβ} = (p − q + 2i√(pq))/(p + q)
+//! ```math
+//! e^{iα} = (w + iz)(y − ix)/√(pq),  e^{iγ} = (w + iz)(y + ix)/√(pq),  e^{iβ} = (p − q + 2i√(pq))/(p + q)
+//! ```
 //!
 //! No angle is formed. Where pq vanishes the axis of the second turn is lost, β is 0 or π, and α alone is left:
 //! [`Flat`].

@@ -6,7 +6,11 @@ use crate::numeric::LegendreSteps;
 
 /// 2π ∫_0^1 t^s P_l dt.
 ///
-///   √π 2^{−s−1} Γ(s+1) / (Γ(1 + (s−l)/2) Γ((s+l+3)/2)): two degrees up, the first Γ loses and the second gains a factor.
+/// ```math
+/// √π 2^{−s−1} Γ(s+1) / (Γ(1 + (s−l)/2) Γ((s+l+3)/2))
+/// ```
+///
+/// Two degrees up, the first Γ loses and the second gains a factor.
 pub(super) fn cosine_power(s: f64) -> impl Iterator<Item = f64> {
     let (mut here, mut next) = (2.0 * PI / (s + 1.0), 2.0 * PI / (s + 2.0));
     (0..).map(move |l| {

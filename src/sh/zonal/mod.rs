@@ -9,6 +9,7 @@ pub(super) use factors::CapFactors;
 pub use von_mises_fisher::VonMisesFisher;
 
 use super::Basis;
+use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::numeric::{GaussLegendre, LegendreSteps, legendre_all};
 use crate::{Error, Real, Result};
@@ -137,7 +138,10 @@ impl<T: Real> Zonal<T> {
 
     /// max(cos θ, 0): the kernel that turns radiance into irradiance, π included.
     ///
-    ///   Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)     [Sun 2008, eqs. 2.21–2.23]
+    /// ```math
+    /// Â_0 = π, Â_1 = 2π/3, Â_l = 0 for odd l > 1, else
+    /// Â_l = 2π (−1)^{l/2−1} / ((l+2)(l−1)) · l!/(2^l (l/2)!²)                           [Sun 2008, eqs. 2.21–2.23]
+    /// ```
     ///
     /// The size falls as l^{−5/2}, and Â_4 is negative (docs/errata.md). Accuracy: relative, 5e-16 below 12 bands,
     /// 4e-15 below 100.
@@ -153,7 +157,9 @@ impl<T: Real> Zonal<T> {
     ///
     /// Not normalised: k_0 = ∫ f = 2π/(s+1), and (s+2)/2π · f reflects all light at normal incidence from a plane.
     ///
-    ///   ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
+    /// ```math
+    /// ∫_0^1 t^s P_l dt: 1/(s+1), 1/(s+2), then two degrees up times (s − l)/(s + l + 3)
+    /// ```
     ///
     /// which is the ratio of Γ functions of the closed form [Gradshteyn & Ryzhik 7.126.1]. For integer s the zeros are
     /// exact.
@@ -171,7 +177,9 @@ impl<T: Real> Zonal<T> {
 
     /// 1 within `half_angle` radians of the axis, 0 beyond: a cone or disc of light.
     ///
-    ///   k_0 = 2π (1 − cos θ),  k_l = 2π sin²θ P_l′(cos θ)/(l(l+1))
+    /// ```math
+    /// k_0 = 2π (1 − cos θ),  k_l = 2π sin²θ P_l′(cos θ)/(l(l+1))
+    /// ```
     ///
     /// No difference of large numbers: relative accuracy for caps of any size down to nothing, 1e-15 below 12 bands. An
     /// angle below 0 counts as 0, one above π as π; NaN gives NaN.
@@ -245,7 +253,9 @@ impl<T: Real> Zonal<T> {
 
     /// f where the angle to the axis has this cosine.
     ///
-    ///   f(t) = Σ (2l+1)/4π k_l P_l(t)
+    /// ```math
+    /// f(t) = Σ (2l+1)/4π k_l P_l(t)
+    /// ```
     pub fn eval(&self, cosine: T) -> T {
         let mut steps = LegendreSteps::new(cosine.widen());
         let mut sum = 0.0;
@@ -259,7 +269,9 @@ impl<T: Real> Zonal<T> {
 
     /// The coefficients of f about any axis: that is its rotation [Sloan 2005].
     ///
-    ///   f_lm = k_l y_lm(axis)
+    /// ```math
+    /// f_lm = k_l y_lm(axis)
+    /// ```
     ///
     /// `axis` is a unit vector. Cost: one evaluation of the basis and bands² multiplications.
     ///
@@ -310,13 +322,15 @@ impl<T: Real> Zonal<T> {
     #[track_caller]
     pub fn about_batch(&self, basis: &Basis<T>, [x, y, z]: [&[T]; 3], out: &mut [T]) {
         check_length("bands of the basis", self.bands(), basis.bands());
-        basis.eval_rows(x, y, z, out);
+        basis.eval_batch(x, y, z, out);
         self.convolve_batch(x.len(), out);
     }
 
     /// Convolves an expansion with f, in place: degree l times k_l.
     ///
-    ///   (f ∗ L)(n) = ∫ f(n · ω) L(ω) dω
+    /// ```math
+    /// (f ∗ L)(n) = ∫ f(n · ω) L(ω) dω
+    /// ```
     ///
     /// Irradiance from radiance is this with [`clamped_cosine`](Self::clamped_cosine); so is the effective BRDF of a
     /// filtered normal map, from the expansion of its distribution of normals [Sun 2008, eq. 5.7].
@@ -344,24 +358,4 @@ impl<T: Real> Zonal<T> {
     }
 }
 
-impl<T: Real + approx::AbsDiffEq<Epsilon = T>> approx::AbsDiffEq for Zonal<T> {
-    type Epsilon = T;
-
-    fn default_epsilon() -> T {
-        T::default_epsilon()
-    }
-
-    fn abs_diff_eq(&self, other: &Self, epsilon: T) -> bool {
-        self.factors[..].abs_diff_eq(&other.factors[..], epsilon)
-    }
-}
-
-impl<T: Real + approx::RelativeEq<Epsilon = T>> approx::RelativeEq for Zonal<T> {
-    fn default_max_relative() -> T {
-        T::default_max_relative()
-    }
-
-    fn relative_eq(&self, other: &Self, epsilon: T, max_relative: T) -> bool {
-        self.factors[..].relative_eq(&other.factors[..], epsilon, max_relative)
-    }
-}
+approx_by_parts!([T] Zonal<T>, T, |z| close [&z.factors] same []);

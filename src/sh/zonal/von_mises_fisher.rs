@@ -2,11 +2,14 @@
 
 use std::f64::consts::PI;
 
+use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
 /// f(cos θ) = κ/(4π sinh κ) e^{κ cos θ}, ∫ f = 1: a lobe about an axis, the narrower the larger κ.
 ///
-///   factors A_l = I_{l+1/2}(κ)/I_{1/2}(κ),  A_1 = coth κ − 1/κ, the length of the mean direction
+/// ```math
+/// factors A_l = I_{l+1/2}(κ)/I_{1/2}(κ),  A_1 = coth κ − 1/κ, the length of the mean direction
+/// ```
 ///
 /// κ = 0 is the uniform density, κ = ∞ the delta. A normal distribution function of mean direction n̄ with |n̄| = A_1
 /// is one of these about n̄ (Han et al. 2007); [`from_mean_length`](Self::from_mean_length) finds κ. A spherical
@@ -154,3 +157,5 @@ fn mean_length(kappa: f64) -> f64 {
         (1..=20).rev().fold(0.0, |r, l| kappa / (f64::from(2 * l + 1) + kappa * r))
     }
 }
+
+approx_by_parts!([] VonMisesFisher, f64, |f| close [[f.concentration]] same []);

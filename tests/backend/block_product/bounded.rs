@@ -1,7 +1,7 @@
 //! The rule that measures: errors within its tolerance.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, BlockAngle, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, Relighter, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -12,9 +12,9 @@ use haarmonic::sphere::CubeMap;
 use proptest::prelude::*;
 
 use super::support::{
-    Axes, above, baker, cases, constant, frame, grid, in_turn, layout, lobe, mean, noise, noisy, of_sky, one_texel,
-    patchwork, sky, soup, view,
+    Axes, above, constant, frame, in_turn, layout, lobe, mean, of_sky, one_texel, patchwork, sky, view,
 };
+use crate::support::{baker, cases, grid, noise, noisy, soup};
 
 struct Shot<'a> {
     mesh: &'a Mesh,
@@ -31,7 +31,7 @@ impl Shot<'_> {
         GroundTruth { mesh, materials, view, light }.radiance(&TexelVisibility::Binary(self.maps), &()).unwrap()
     }
 
-    fn frame(&self, tolerance: f64, basis: Basis) -> Vec<Vector3<f32>> {
+    fn frame(&self, tolerance: f64, basis: SampleBasis) -> Vec<Vector3<f32>> {
         let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), basis };
         frame((self.mesh, self.transport), settings, self.light, &self.view, self.materials)
     }
@@ -39,7 +39,7 @@ impl Shot<'_> {
 
 impl Shot<'_> {
     /// How much of the allowed error there is against every pixel in the same `f32`, which the rule has no part in.
-    fn worst(&self, tolerance: f64, basis: Basis) -> f64 {
+    fn worst(&self, tolerance: f64, basis: SampleBasis) -> f64 {
         let settings = Settings { rule: Rule::Pixels, basis };
         let pixels = frame((self.mesh, self.transport), settings, self.light, &self.view, self.materials);
         let pixels: Vec<Vector3<f64>> = pixels.iter().map(|l| l.cast()).collect();
@@ -47,8 +47,8 @@ impl Shot<'_> {
     }
 }
 
-/// The largest error of a vertex in units of what it may be: `each`, tolerance × mean radiance, of all blocks, divided by √(blocks/2), adds
-/// up over the half of the blocks that is above a horizon.
+/// The largest error of a vertex in units of what it may be: `each`, tolerance × mean radiance, of all blocks, divided
+/// by √(blocks/2), adds up over the half of the blocks that is above a horizon.
 fn worst(radiance: &[Vector3<f32>], truth: &[Vector3<f64>], each: f64, transport: &Transport) -> f64 {
     let allowed = each * (0.5 * transport.layout().blocks() as f64).sqrt();
     let off = |(got, want): (&Vector3<f32>, &Vector3<f64>)| {
@@ -91,11 +91,11 @@ fn errors_stay_within_the_tolerance() {
     });
     let mut largest = 0.0_f64;
     for (block, tolerance, basis) in [
-        (8, 0.05, Basis::Polynomial),
-        (8, 0.4, Basis::Polynomial),
-        (16, 0.005, Basis::Cosine),
-        (16, 0.05, Basis::Polynomial),
-        (16, 0.4, Basis::Polynomial),
+        (8, 0.05, SampleBasis::Polynomial),
+        (8, 0.4, SampleBasis::Polynomial),
+        (16, 0.005, SampleBasis::Cosine),
+        (16, 0.05, SampleBasis::Polynomial),
+        (16, 0.4, SampleBasis::Polynomial),
     ] {
         let transport = Transport::from_clipped(&maps, &layout(32, block, ScanOrder::Serpentine)).unwrap();
         let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), basis };
@@ -127,7 +127,7 @@ fn a_larger_tolerance_is_a_larger_error_and_fewer_pixels() {
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
     let truth = shot.truth();
     let tolerances = [0.0, 0.002, 0.02, 0.2, 2.0];
-    let errors = tolerances.map(|t| Comparison::new(&truth, &shot.frame(t, Basis::Polynomial)).unwrap().rel_l2);
+    let errors = tolerances.map(|t| Comparison::new(&truth, &shot.frame(t, SampleBasis::Polynomial)).unwrap().rel_l2);
     assert!(errors.is_sorted_by(|a, b| a < b), "{errors:?}");
     let pixels = tolerances.map(|tolerance| {
         let settings = Settings { rule: Rule::bounded(tolerance).unwrap(), ..Settings::default() };
@@ -160,7 +160,8 @@ fn the_default_is_better_than_45_db() {
     }
 }
 
-/// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is off.
+/// PSNR of lobes about the half vector at the default tolerance, and how much of what is allowed the worst vertex is
+/// off.
 #[test]
 #[expect(clippy::print_stdout, reason = "the table of docs/block_product.md")]
 fn lobes_about_the_half_vector_are_as_good() {
@@ -187,8 +188,8 @@ fn lobes_about_the_half_vector_are_as_good() {
         Shot { mesh: &model.mesh, maps: &maps, transport: &transport, view, materials: &materials, light: &light };
     let truth = shot.truth();
     let got = frame((&model.mesh, &transport), Settings::default(), &light, &view, &materials);
-    // Measured 46.9 to 88.6 dB, and of these: rough GGX lobes whose one sign adds up over all blocks, and lobes so dim that an error that
-    // is allowed shows beside their own peak.
+    // Measured 46.9 to 88.6 dB, and of these: rough GGX lobes whose one sign adds up over all blocks, and lobes so dim
+    // that an error that is allowed shows beside their own peak.
     let floor = |name: &str| match name {
         "GGX 0.7" => 37.5,
         "GGX 1" => 35.0,
@@ -211,7 +212,7 @@ fn lobes_about_the_half_vector_are_as_good() {
 
 /// The texel that a vertex shows its viewer as a mirror does.
 fn mirrored(mesh: &Mesh, side: usize, vertex: usize) -> usize {
-    let axes = Axes::new(&mesh.frame(vertex));
+    let axes = Axes::new(&mesh.local_frame(vertex));
     let (normal, wo) = (axes.normal(), view().wo(&mesh.positions()[vertex]));
     grid(side).nearest(&(normal * (2.0 * normal.dot(&wo)) - wo))
 }
@@ -231,7 +232,7 @@ proptest! {
         light in 0..7_usize,
         seed in 0..10_000_usize,
         tolerance in (-7.0..0.0_f64).prop_map(f64::exp),
-        basis in prop::sample::select(vec![Basis::Polynomial, Basis::Cosine]),
+        basis in prop::sample::select(vec![SampleBasis::Polynomial, SampleBasis::Cosine]),
     ) {
         let mesh = soup(6);
         let rgb = [0.9, 0.3, 0.6];
@@ -289,7 +290,7 @@ fn needles_are_not_lost() {
                 materials: &materials,
                 light: &light,
             };
-            let worst = shot.worst(tolerance, Basis::Polynomial);
+            let worst = shot.worst(tolerance, SampleBasis::Polynomial);
             assert!(worst <= 1.0, "tolerance {tolerance}, light {seed}: {worst} of what is allowed");
         }
     }

@@ -8,7 +8,8 @@ use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Brdf, BrdfFn, Comparison, CookTorrance, GroundTruth, Procedural, Sky, TexelVisibility, View};
 
-use super::support::{above, baker, frame, in_turn, layout, lobe, noisy, of_sky, patchwork, sky, soup, view};
+use super::support::{above, frame, in_turn, layout, lobe, of_sky, patchwork, sky, view};
+use crate::support::{baker, noisy, soup};
 
 const RGB: [f64; 3] = [0.8, 0.5, 0.2];
 

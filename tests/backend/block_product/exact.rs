@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use haarmonic::backend::block_product::{Basis, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
@@ -11,7 +11,8 @@ use haarmonic::scene::{
 };
 use haarmonic::sphere::CubeMap;
 
-use super::support::{above, baker, frame, grid, in_turn, layout, lobe, noisy, patchwork, sky, soup, view};
+use super::support::{above, frame, in_turn, layout, lobe, patchwork, sky, view};
+use crate::support::{baker, grid, noisy, soup};
 
 type Lobes = Vec<(&'static str, Arc<dyn Brdf>)>;
 
@@ -85,13 +86,14 @@ impl Shot<'_> {
         let truth = GroundTruth { mesh: self.mesh, materials: &materials, view: &self.view, light: &self.light };
         let truth = truth.radiance(seen, &()).unwrap();
         for &rule in rules {
-            let settings = Settings { rule, basis: Basis::default() };
+            let settings = Settings { rule, basis: SampleBasis::default() };
             let got = frame((self.mesh, transport), settings, &self.light, &self.view, &materials);
             for (k, name) in names.iter().enumerate() {
                 let of: (Vec<_>, Vec<_>) =
                     truth.iter().copied().zip(got.iter().copied()).skip(k).step_by(names.len()).unzip();
                 assert!(of.0.iter().any(|l| l.max() > 0.0), "{what}, {name}: all black");
-                // f32 directions, light and lobes: measured up to 5e-7; 1.7e-6 for the needle, √n roundings of a direction.
+                // f32 directions, light and lobes: measured up to 5e-7; 1.7e-6 for the needle, √n roundings of a
+                // direction.
                 let bound = if *name == "phong 10000" { 5e-6 } else { 1e-6 };
                 let error = Comparison::new(&of.0, &of.1).unwrap().rel_l2;
                 assert!(error <= bound, "{what}, {name}, {rule:?}: {error:e}");

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockAngle, LightForms, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, LightForms, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Brdf, BrdfFn, CookTorrance, Lambert, Phong, Sum, Ward};
 
-use super::support::{above, constant, frame, in_turn, layout, lobe, noisy, patchwork, soup, view};
+use super::support::{above, constant, frame, in_turn, layout, lobe, patchwork, view};
+use crate::support::{noisy, soup};
 
 const RULES: [Rule; 4] = [
     Rule::Pixels,
@@ -113,7 +114,7 @@ fn the_smallest_lights_are_light() {
 #[test]
 fn a_scale_is_said() {
     let layout = layout(16, 8, ScanOrder::Serpentine);
-    let mut forms = LightForms::new(&layout, Basis::default()).unwrap();
+    let mut forms = LightForms::new(&layout, SampleBasis::default()).unwrap();
     for (largest, scale) in [
         (0.0, 1.0),
         (1.0, 1.0),

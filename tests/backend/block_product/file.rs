@@ -9,7 +9,8 @@ use haarmonic::compress::ScanOrder;
 use haarmonic::scene::Procedural;
 use haarmonic::store::Stored;
 
-use super::support::{ORDERS, baker, layout, noise, patchwork, soup, visibility};
+use super::support::{ORDERS, layout, patchwork, visibility};
+use crate::support::{baker, noise, soup};
 
 fn binary(side: usize, block: usize, vertices: usize, order: ScanOrder) -> Transport {
     let cut = patchwork(side, block, 5);

@@ -2,18 +2,17 @@
 
 use std::sync::Arc;
 
-use haarmonic::backend::block_product::{Basis, BlockAngle, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product::{self as twin, Samples};
 use haarmonic::scene::{
-    AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Materials, Mesh, Phong, Structure, Sum, View, Ward,
+    AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Lobe, Materials, Mesh, Phong, Structure, Sum, View, Ward,
 };
 use haarmonic::sphere::CubeMap;
 
-use super::support::{
-    Axes, baker, frame, grid, in_turn, layout, lobe, noisy, patchwork, reflectance, soup, terms, view, visibility,
-};
+use super::support::{Axes, frame, in_turn, layout, lobe, patchwork, reflectance, terms, view, visibility};
+use crate::support::{baker, grid, noisy, soup};
 
 /// Lobes of every class, on both sides of every limit.
 fn lobes() -> Vec<Arc<dyn Brdf>> {
@@ -37,14 +36,15 @@ fn lobes() -> Vec<Arc<dyn Brdf>> {
     ]
 }
 
-/// The exponent of a Phong lobe of the same width: half vectors turn half as far, and a slope of α is a lobe of exponent 2/α² about them.
+/// The exponent of a Phong lobe of the same width: half vectors turn half as far, and a slope of α is a lobe of
+/// exponent 2/α² about them.
 fn exponent(brdf: &dyn Brdf) -> Option<f64> {
     let of_slope = |alpha: [f64; 2]| 2.0 / alpha[0].min(alpha[1]).powi(2) / 4.0;
     match brdf.structure() {
-        Structure::Phong(phong) => Some(phong.exponent()),
-        Structure::BlinnPhong(phong) => Some(phong.exponent() / 4.0),
-        Structure::Ward(ward) => Some(of_slope(ward.alpha())),
-        Structure::CookTorrance(ggx) => Some(of_slope(ggx.alpha())),
+        Structure::Lobe(Lobe::Phong(phong)) => Some(phong.exponent()),
+        Structure::Lobe(Lobe::BlinnPhong(phong)) => Some(phong.exponent() / 4.0),
+        Structure::Lobe(Lobe::Ward(ward)) => Some(of_slope(ward.alpha())),
+        Structure::Lobe(Lobe::CookTorrance(ggx)) => Some(of_slope(ggx.alpha())),
         _ => None,
     }
 }
@@ -60,9 +60,9 @@ struct Shot<'a> {
 }
 
 impl Shot<'_> {
-    fn reference(&self, vertex: usize, brdf: &dyn Brdf, angle: BlockAngle, basis: Basis) -> Vector3<f64> {
+    fn reference(&self, vertex: usize, brdf: &dyn Brdf, angle: BlockAngle, basis: SampleBasis) -> Vector3<f64> {
         let side = self.light.grid().side();
-        let frame = self.mesh.frame(vertex);
+        let frame = self.mesh.local_frame(vertex);
         let axes = Axes::new(&frame);
         let wo = self.view.outgoing(brdf, &self.mesh.positions()[vertex], &frame);
         let wo = axes.local(&wo);
@@ -94,7 +94,8 @@ impl Shot<'_> {
 
     fn check(&self, transport: &Transport, materials: &Materials, what: &str) {
         let angles = [BlockAngle::Centre, BlockAngle::Nearest];
-        for (angle, basis) in angles.into_iter().flat_map(|a| [(a, Basis::Cosine), (a, Basis::Polynomial)]) {
+        for (angle, basis) in angles.into_iter().flat_map(|a| [(a, SampleBasis::Cosine), (a, SampleBasis::Polynomial)])
+        {
             let settings = Settings { rule: Rule::Fixed { angle }, basis };
             let got = frame((self.mesh, transport), settings, &self.light, &self.view, materials);
             let want: Vec<_> = (0..got.len()).map(|v| self.reference(v, materials.brdf(v), angle, basis)).collect();
@@ -177,13 +178,13 @@ fn the_twins_interpolants_hold_their_basis() {
             let middle = 0.5 * (side as f64 - 1.0);
             assert!((at.iter().sum::<f64>() / along as f64 - middle).abs() < 1e-14 * side as f64);
             assert!(at.windows(2).all(|p| p[1] - p[0] == (side / along) as f64));
-            for basis in [Basis::Cosine, Basis::Polynomial] {
+            for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
                 let table = twin::cardinals(side, along, basis);
                 let wave =
                     |x: f64| ((2.0 * x + 1.0) * (along - 1) as f64 * std::f64::consts::PI / (2 * side) as f64).cos();
                 let held = |x: f64, y: f64| match basis {
-                    Basis::Cosine => (1.0 + wave(x)) * (0.3 - wave(y)),
-                    Basis::Polynomial => {
+                    SampleBasis::Cosine => (1.0 + wave(x)) * (0.3 - wave(y)),
+                    SampleBasis::Polynomial => {
                         (x / 5.0 - 1.0).powi(along as i32 - 1) * (2.0 - y / 7.0).powi(along as i32 - 1)
                     }
                 };

@@ -1,19 +1,20 @@
 //! Frames: darkness, pictures, counts, threads, change.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, BlockAngle, FrameStats, Relighter, Rule, Settings, Transport};
+use haarmonic::backend::block_product::{BlockAngle, FrameStats, Relighter, Rule, SampleBasis, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Camera, CookTorrance, Lambert, Materials, Mesh, Model, Phong, Procedural, Sum, View};
 
-use super::support::{above, baker, constant, frame, in_turn, layout, lobe, noisy, patchwork, sky, soup, view};
+use super::support::{above, constant, frame, in_turn, layout, lobe, patchwork, sky, view};
+use crate::support::{baker, noisy, soup};
 
 fn rules() -> [Rule; 4] {
     [Rule::Pixels, Rule::Fixed { angle: BlockAngle::Centre }, Rule::default(), Rule::bounded(0.5).unwrap()]
 }
 
 fn settings(rule: Rule) -> Settings {
-    Settings { rule, basis: Basis::default() }
+    Settings { rule, basis: SampleBasis::default() }
 }
 
 fn transport(mesh: &Mesh, side: usize, block: usize) -> Transport {
@@ -151,7 +152,8 @@ fn a_picture_has_all_that_is_seen() {
             }
             left_out.push(skipped as f64 / bright as f64);
         }
-        // Diffuse faces that turn away are left out everywhere, nearly all that a small picture does not show, and all behind the camera.
+        // Diffuse faces that turn away are left out everywhere, nearly all that a small picture does not show, and all
+        // behind the camera.
         assert!(left_out.iter().all(|&share| share > 0.0), "{left_out:?}");
         assert!(left_out[1] > 0.9 && left_out[6] == 1.0, "{left_out:?}");
     }
@@ -281,8 +283,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     assert_eq!(out, one[2]);
 }
 
-/// A byte a change and a vertex of each map that is not hidden, four a batch of maps, which are at most as many; counts and places of
-/// the two courses of a block in each group of 256 vertices; three words of bits a vertex.
+/// A byte a change and a vertex of each map that is not hidden, four a batch of maps, which are at most as many; counts
+/// and places of the two courses of a block in each group of 256 vertices; three words of bits a vertex.
 #[test]
 fn bytes_are_of_what_is_held_once_more() {
     let mesh = soup(200);

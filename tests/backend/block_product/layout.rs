@@ -5,7 +5,8 @@ use haarmonic::backend::block_product::BlockLayout;
 use haarmonic::compress::ScanOrder;
 use haarmonic::reference::backend::block_product as twin;
 
-use super::support::{ORDERS, grid, layout};
+use super::support::{ORDERS, layout};
+use crate::support::grid;
 
 const SIZES: [(usize, usize); 9] =
     [(8, 8), (16, 8), (16, 16), (32, 32), (48, 8), (48, 16), (64, 32), (96, 32), (128, 16)];

@@ -1,13 +1,14 @@
 //! A light in its forms.
 
 use haarmonic::Error;
-use haarmonic::backend::block_product::{Basis, LightForms};
+use haarmonic::backend::block_product::{LightForms, SampleBasis};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::reference::backend::block_product as twin;
 use haarmonic::scene::Sky;
 
-use super::support::{ORDERS, constant, grid, layout, noisy, of_sky, one_texel, sky};
+use super::support::{ORDERS, constant, layout, of_sky, one_texel, sky};
+use crate::support::{grid, noisy};
 
 #[test]
 fn weights_are_the_cardinal_functions_integrals() {
@@ -16,7 +17,7 @@ fn weights_are_the_cardinal_functions_integrals() {
         for (light, order) in lights.iter().zip(ORDERS.into_iter().cycle()) {
             let layout = layout(side, block, order);
             let weighted = twin::weighted(light);
-            for basis in [Basis::Cosine, Basis::Polynomial] {
+            for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
                 let mut forms = LightForms::new(&layout, basis).unwrap();
                 forms.set(light).unwrap();
                 for b in 0..layout.blocks() {
@@ -28,8 +29,8 @@ fn weights_are_the_cardinal_functions_integrals() {
                         let got = forms.weights(c, b);
                         assert_eq!(got.len(), 21);
                         for (node, (&got, want)) in got.iter().zip(&want).enumerate() {
-                            // One rounding to f32; solid angles of the grid cancel to side · 1e-16, and cardinal functions
-                            // reach 4: measured 1.3e-14.
+                            // One rounding to f32; solid angles of the grid cancel to side · 1e-16, and cardinal
+                            // functions reach 4: measured 1.3e-14.
                             let slack = 6.0e-8 * want[c].abs() + 1e-13 * size[c];
                             let off = (f64::from(got) - want[c]).abs();
                             assert!(off <= slack, "{side}/{block} {basis:?} block {b} node {node}: off by {off:e}");
@@ -46,7 +47,7 @@ fn weights_are_the_cardinal_functions_integrals() {
 fn weights_of_every_level_add_up_to_the_light() {
     let light = noisy(32, 3);
     let total = light.integral();
-    for basis in [Basis::Cosine, Basis::Polynomial] {
+    for basis in [SampleBasis::Cosine, SampleBasis::Polynomial] {
         let mut forms = LightForms::new(&layout(32, 16, ScanOrder::Hilbert), basis).unwrap();
         forms.set(&light).unwrap();
         for c in 0..3 {
@@ -62,7 +63,7 @@ fn weights_of_every_level_add_up_to_the_light() {
 #[test]
 fn a_refused_light_leaves_the_one_before() {
     let layout = layout(16, 8, ScanOrder::Serpentine);
-    let mut forms = LightForms::new(&layout, Basis::default()).unwrap();
+    let mut forms = LightForms::new(&layout, SampleBasis::default()).unwrap();
     let all = |forms: &LightForms| -> Vec<f32> {
         (0..3).flat_map(|c| (0..24).flat_map(move |b| forms.weights(c, b).to_vec())).collect()
     };
@@ -97,7 +98,7 @@ fn a_refused_light_leaves_the_one_before() {
 fn bytes_are_those_of_the_table() {
     for (side, block) in [(64, 16), (32, 32), (48, 8)] {
         let layout = layout(side, block, ScanOrder::RowMajor);
-        let forms = LightForms::new(&layout, Basis::default()).unwrap();
+        let forms = LightForms::new(&layout, SampleBasis::default()).unwrap();
         assert_eq!(forms.bytes(), 180 * layout.grid().len() + 252 * layout.blocks());
     }
 }

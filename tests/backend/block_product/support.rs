@@ -2,55 +2,24 @@
 
 use std::sync::Arc;
 
+use crate::support::{grid, noise};
 use haarmonic::backend::block_product::{BlockLayout, Relighter, Settings, Transport};
 use haarmonic::compress::ScanOrder;
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    BinaryVisibility, Brdf, EnvironmentLight, Frame, Materials, Mesh, Sky, Structure, View, VisibilityBaker,
-    VisibilitySettings,
+    BinaryVisibility, Brdf, EnvironmentLight, Lobe, LocalFrame, Materials, Mesh, Sky, Structure, View,
 };
-use haarmonic::sphere::{CubeGrid, CubeMap};
-use proptest::prelude::ProptestConfig;
+use haarmonic::sphere::CubeMap;
 
 pub const ORDERS: [ScanOrder; 3] = [ScanOrder::RowMajor, ScanOrder::Serpentine, ScanOrder::Hilbert];
-
-/// Few cases, or as many as PROPTEST_CASES says.
-pub fn cases(few: u32) -> ProptestConfig {
-    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(few);
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-/// Deterministic numbers in [0, 1).
-pub fn noise(i: usize) -> f64 {
-    let mut x = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    x ^= x >> 31;
-    x = x.wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    x ^= x >> 29;
-    (x >> 11) as f64 / (1_u64 << 53) as f64
-}
-
-pub fn grid(side: usize) -> CubeGrid {
-    CubeGrid::new(side).unwrap()
-}
 
 pub fn layout(side: usize, block: usize, order: ScanOrder) -> BlockLayout {
     BlockLayout::new(grid(side), block, order).unwrap()
 }
 
-/// Loose triangles: 3 `faces` vertices, normals all over the sphere.
-pub fn soup(faces: usize) -> Mesh {
-    let point = |i: usize| Vector3::from_fn(|k, _| (noise(3 * i + k) - 0.5) as f32 * 4.0);
-    Mesh::new((0..3 * faces).map(point).collect(), (0..faces as u32).map(|f| [3 * f, 3 * f + 1, 3 * f + 2]).collect())
-        .unwrap()
-}
-
 /// An eye that no vertex of a [`soup`] has at its horizon.
 pub fn view() -> View {
     View::eye(Vector3::new(3.1, 4.3, -5.2)).unwrap()
-}
-
-pub fn baker(mesh: &Mesh, side: usize) -> VisibilityBaker {
-    VisibilityBaker::new(mesh, grid(side), VisibilitySettings::default()).unwrap()
 }
 
 /// Maps of every vertex from a predicate of vertex and flat texel.
@@ -82,7 +51,7 @@ pub fn patchwork(side: usize, block: usize, seed: usize) -> impl Fn(usize, usize
 /// The same above the horizon of each vertex, and nothing below: as a baker leaves it.
 pub fn above<'a>(mesh: &'a Mesh, side: usize, sees: impl Fn(usize, usize) -> bool + 'a) -> BinaryVisibility {
     let directions = grid(side).directions();
-    let axes: Vec<Axes> = (0..mesh.positions().len()).map(|v| Axes::new(&mesh.frame(v))).collect();
+    let axes: Vec<Axes> = (0..mesh.positions().len()).map(|v| Axes::new(&mesh.local_frame(v))).collect();
     visibility(side, axes.len(), |v, texel| axes[v].normal().dot(&directions[texel]) > 0.0 && sees(v, texel))
 }
 
@@ -90,7 +59,7 @@ pub fn above<'a>(mesh: &'a Mesh, side: usize, sees: impl Fn(usize, usize) -> boo
 pub struct Axes([Vector3<f64>; 3]);
 
 impl Axes {
-    pub fn new(frame: &Frame) -> Self {
+    pub fn new(frame: &LocalFrame) -> Self {
         let (normal, tangent) = (frame.normal.cast::<f64>().normalize(), frame.tangent.cast::<f64>());
         let tangent = (tangent - normal * normal.dot(&tangent)).normalize();
         Self([tangent, normal.cross(&tangent), normal])
@@ -105,11 +74,12 @@ impl Axes {
     }
 }
 
-/// ρ cos of one lobe, in local coordinates: f cos above the horizon and 0 below, but for Lambert and Phong, which go on smoothly.
+/// ρ cos of one lobe, in local coordinates: f cos above the horizon and 0 below, but for Lambert and Phong, which go on
+/// smoothly.
 pub fn reflectance(brdf: &dyn Brdf, wi: &Vector3<f64>, wo: &Vector3<f64>) -> Vector3<f64> {
     match brdf.structure() {
-        Structure::Lambert(_) => brdf.eval(&Vector3::z(), wo) * wi.z,
-        Structure::Phong(phong) => {
+        Structure::Lobe(Lobe::Lambert(_)) => brdf.eval(&Vector3::z(), wo) * wi.z,
+        Structure::Lobe(Lobe::Phong(phong)) => {
             let cosine = wi.z * wo.z - wi.x * wo.x - wi.y * wo.y;
             let lobe = if cosine > 0.0 { cosine.min(1.0).powf(phong.exponent()) } else { 0.0 };
             phong.albedo() * ((phong.exponent() + 2.0) / std::f64::consts::TAU * lobe * wi.z)
@@ -125,12 +95,6 @@ pub fn sky(side: usize) -> CubeMap<Vector3<f32>> {
 
 pub fn of_sky(sky: Sky, side: usize) -> CubeMap<Vector3<f32>> {
     EnvironmentLight::from_sky(sky).unwrap().to_cube(grid(side))
-}
-
-/// Noise of up to 5, each channel its own.
-pub fn noisy(side: usize, seed: usize) -> CubeMap<Vector3<f32>> {
-    let texel = |i: usize| Vector3::from_fn(|k, _| (noise(seed + 3 * i + k) * 5.0) as f32);
-    CubeMap::new(grid(side), (0..grid(side).len()).map(texel).collect()).unwrap()
 }
 
 /// Darkness but for one texel.

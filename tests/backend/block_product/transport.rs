@@ -4,11 +4,11 @@ use haarmonic::Error;
 use haarmonic::backend::block_product::Transport;
 use haarmonic::compress::ScanOrder;
 use haarmonic::scene::{BinaryVisibility, Procedural};
-use haarmonic::strategies::run_map;
+use haarmonic::strategies::{block_layout, run_map};
 use proptest::prelude::*;
 
-use super::support::{ORDERS, above, baker, cases, grid, layout, noise, patchwork, soup, visibility};
-use crate::shared::Watch;
+use super::support::{ORDERS, above, layout, patchwork, visibility};
+use crate::support::{Watch, baker, cases, grid, noise, soup};
 
 fn decoded(transport: &Transport, vertex: usize) -> Vec<f32> {
     let mut out = vec![f32::NAN; transport.layout().grid().len()];
@@ -55,9 +55,12 @@ proptest! {
     #![proptest_config(cases(24))]
 
     #[test]
-    fn any_bits_come_back(bits in run_map(6 * 32 * 32), block in prop::sample::select(vec![8_usize, 16, 32]), order in 0..3_usize) {
-        let maps = visibility(32, 1, |_, texel| bits[texel]);
-        let transport = Transport::from_clipped(&maps, &layout(32, block, ORDERS[order])).unwrap();
+    fn any_bits_come_back((layout, bits) in block_layout(48).prop_flat_map(|layout| {
+        let texels = layout.grid().len();
+        (Just(layout), run_map(texels))
+    })) {
+        let maps = visibility(layout.grid().side(), 1, |_, texel| bits[texel]);
+        let transport = Transport::from_clipped(&maps, &layout).unwrap();
         let expected: Vec<f32> = bits.iter().map(|&bit| f32::from(u8::from(bit))).collect();
         prop_assert_eq!(decoded(&transport, 0), expected);
     }
@@ -106,7 +109,8 @@ fn each_block_takes_the_path_with_fewer_changes() {
     assert!(taken[0] > 500 && taken[1] > 500, "{taken:?}");
 }
 
-/// The figures of docs/block_product.md: changes a partly hidden block of the table scene along one path, and along the better of two.
+/// The figures of docs/block_product.md: changes a partly hidden block of the table scene along one path, and along the
+/// better of two.
 #[test]
 fn two_paths_have_fewer_changes_than_any_one() {
     let mesh = Procedural::Table.build(1000).unwrap().mesh;

@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use haarmonic::backend::{DistantRelighter, block_product, wavelet_double, wavelet_triple};
 use haarmonic::compress::{
-    Biclustering, BinaryMaps, ClusteredPca, GrayMaps, MapIndex, Pca, QuantisedBytes, QuantisedHalf,
+    Biclustering, ClusteredPca, CodedBinaryMaps, CodedGrayMaps, MapIndex, Pca, QuantisedBytes, QuantisedHalf,
 };
 use haarmonic::haar::Keep;
 use haarmonic::nalgebra::Vector3;
@@ -35,12 +35,12 @@ pub fn store(data: &[u8]) {
     }
     let (wide, index) = (settings / 2 % 2 == 1, settings / 4 % 3);
     match (kind, index) {
-        (Kind::BinaryMaps, 0) => read(&file, binary_maps::<u8>),
-        (Kind::BinaryMaps, 1) => read(&file, binary_maps::<u16>),
-        (Kind::BinaryMaps, _) => read(&file, binary_maps::<u32>),
-        (Kind::GrayMaps, 0) => read(&file, gray_maps::<u8>),
-        (Kind::GrayMaps, 1) => read(&file, gray_maps::<u16>),
-        (Kind::GrayMaps, _) => read(&file, gray_maps::<u32>),
+        (Kind::CodedBinaryMaps, 0) => read(&file, binary_maps::<u8>),
+        (Kind::CodedBinaryMaps, 1) => read(&file, binary_maps::<u16>),
+        (Kind::CodedBinaryMaps, _) => read(&file, binary_maps::<u32>),
+        (Kind::CodedGrayMaps, 0) => read(&file, gray_maps::<u8>),
+        (Kind::CodedGrayMaps, 1) => read(&file, gray_maps::<u16>),
+        (Kind::CodedGrayMaps, _) => read(&file, gray_maps::<u32>),
         (Kind::Biclustering, _) => read(&file, biclustering),
         (Kind::Pca, _) if wide => read(&file, pca::<f64>),
         (Kind::Pca, _) => read(&file, pca::<f32>),
@@ -119,7 +119,7 @@ fn read<S: Stored + PartialEq + Debug>(file: &[u8], then: impl FnOnce(&S)) {
 /// Longer ones are read, but nothing more is done with them.
 const LONG: usize = 1 << 12;
 
-fn binary_maps<I: MapIndex>(maps: &BinaryMaps<I>) {
+fn binary_maps<I: MapIndex>(maps: &CodedBinaryMaps<I>) {
     assert_eq!(maps.stats().changes, maps.total_changes());
     if maps.map_len() > LONG {
         return;
@@ -135,13 +135,13 @@ fn binary_maps<I: MapIndex>(maps: &BinaryMaps<I>) {
     }
 }
 
-fn gray_maps<I: MapIndex>(maps: &GrayMaps<I>) {
+fn gray_maps<I: MapIndex>(maps: &CodedGrayMaps<I>) {
     assert_eq!(maps.stats().changes, maps.total_changes());
     if maps.map_len() > LONG {
         return;
     }
     let (mut numbers, mut levels) = (vec![0.0_f32; maps.map_len()], vec![0; maps.map_len()]);
-    let mut again = GrayMaps::<I>::new(maps.map_len(), maps.top()).expect("there are such maps");
+    let mut again = CodedGrayMaps::<I>::new(maps.map_len(), maps.top()).expect("there are such maps");
     for map in maps.iter() {
         map.decode(&mut numbers);
         map.decode_levels(&mut levels);
@@ -162,8 +162,9 @@ fn biclustering(biclusters: &Biclustering) {
     for sides in [1, 3] {
         let x = vec![1.0_f64; columns * sides];
         let [mut direct, mut fast] = [(); 2].map(|()| vec![f64::NAN; rows * sides]);
-        matrix.multiply(&x, sides, &mut direct);
-        biclusters.multiplier::<f64>().multiply(&x, sides, &mut fast);
+        matrix.multiply_batch(sides, &x, &mut direct);
+        let multiplier = biclusters.multiplier::<f64>();
+        multiplier.multiply_batch(sides, &x, &mut fast, &mut vec![0.0; multiplier.scratch_len(sides)]);
         // Sums of levels are whole numbers: exact, times the scale. It may overflow.
         let near = |(a, b): (&f64, &f64)| a == b || (a - b).abs() <= 1e-9 * a.abs().max(b.abs()) || !a.is_finite();
         assert!(direct.iter().zip(&fast).all(near), "{direct:?} {fast:?}");
@@ -184,7 +185,7 @@ fn clustered_pca<T: Real>(pca: &ClusteredPca<T>) {
     (0..rows.min(4)).for_each(|r| pca.reconstruct(r, &mut row));
     let x = vec![T::one(); 3 * columns];
     let mut out = vec![T::zero(); 3 * rows];
-    pca.multiply(&x, 3, &mut out);
+    pca.multiply_batch(3, &x, &mut out, &mut vec![T::zero(); pca.scratch_len(3)]);
     let (mut labels, mut weights) = (vec![0; 1], vec![T::zero(); pca.components()]);
     pca.encode(&x[..columns], &mut labels, &mut weights).expect("ones are finite");
     assert!((labels[0] as usize) < pca.clusters());

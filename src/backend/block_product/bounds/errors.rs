@@ -1,5 +1,7 @@
 //! Norms of errors and of lights, and their logarithms.
 
+use crate::backend::block_product::rule::SampleClass;
+
 /// Norms of the errors of 0, 1, 4 and 16 samples.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Errors {
@@ -23,8 +25,8 @@ impl Errors {
 }
 
 impl Errors {
-    /// These errors, raised to what a single pixel of height `nearest` makes in a block of `side`²: a lobe can be so narrow that
-    /// the places where errors were measured miss it.
+    /// These errors, raised to what a single pixel of height `nearest` makes in a block of `side`²: a lobe can be so
+    /// narrow that the places where errors were measured miss it.
     pub(super) fn with_a_pixel_of(mut self, nearest: f64, side: usize) -> Self {
         let (rms, mean) = (nearest / side as f64, nearest / (side * side) as f64);
         if self.rms[0] < rms {
@@ -38,8 +40,8 @@ impl Errors {
     }
 }
 
-/// [`Errors`] on a logarithmic scale: 0 stands for no error, [`NEVER`] for more than can be said, and each step from 1 on
-/// multiplies the error by the 32nd root of 2.
+/// [`Errors`] on a logarithmic scale: 0 stands for no error, [`NEVER`] for more than can be said, and each step from 1
+/// on multiplies the error by the 32nd root of 2.
 #[derive(Debug, Clone, Copy, Default)]
 pub(in crate::backend::block_product) struct Codes {
     rms: Four,
@@ -74,7 +76,7 @@ impl Codes {
 
     /// [`class`](Self::class) of what lies between four, rounded up; the weights add up to 64.
     #[inline(always)]
-    pub(super) fn class_between(four: [&Self; 4], weights: [u64; 4], checks: &Checks, free: bool) -> u8 {
+    pub(super) fn class_between(four: [&Self; 4], weights: [u64; 4], checks: &Checks, free: bool) -> SampleClass {
         let [a, b, c, d] = four;
         let rms = Four::between([a.rms, b.rms, c.rms, d.rms], weights);
         // A block is asked for two of the three.
@@ -85,7 +87,7 @@ impl Codes {
         } else {
             checks.rms.holds(rms) | checks.mean.holds(other)
         };
-        (holds.trailing_zeros() / 16) as u8
+        SampleClass::after(holds.trailing_zeros() / 16)
     }
 
     /// What lies between four.
@@ -101,11 +103,11 @@ impl Codes {
 
     /// The fewest samples of a block, free or partly hidden: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn class(&self, checks: &Checks, free: bool) -> u8 {
+    pub(in crate::backend::block_product) fn class(&self, checks: &Checks, free: bool) -> SampleClass {
         let in_free = checks.bias.holds(self.bias) & checks.deviation.holds(self.rms);
         let in_mixed = checks.rms.holds(self.rms) | checks.mean.holds(self.mean);
         let holds = if free { in_free } else { in_mixed };
-        (holds.trailing_zeros() / 16) as u8
+        SampleClass::after(holds.trailing_zeros() / 16)
     }
 }
 
@@ -207,8 +209,8 @@ impl Limits {
 
     /// The cosine to the mirror direction below which pixels may be left out of `factor` cosⁿ θ.
     ///
-    /// The larger of two: that where no pixel may count on its own; and, for a lobe wider than pixels, that where all beyond it
-    /// together, L F 2π ∫ cosⁿ θ sin θ dθ = L F 2π cosⁿ⁺¹ θ/(n + 1), are half of what the block is allowed.
+    /// The larger of two: that where no pixel may count on its own; and, for a lobe wider than pixels, that where all
+    /// beyond it together, L F 2π ∫ cosⁿ θ sin θ dθ = L F 2π cosⁿ⁺¹ θ/(n + 1), are half of what the block is allowed.
     pub(in crate::backend::block_product) fn least_cosine(&self, factor: f64, exponent: f64, pixel: f64) -> f64 {
         let darkness = (f64::from(self.rms.max(self.mean) - self.spread - offset(factor)) - ZERO) / STEPS;
         // An exponent of 0 leaves out nothing: 2^(−∞ · 1e30) = 0.
@@ -221,7 +223,8 @@ impl Limits {
     }
 }
 
-/// Exponent × square of the radius of a pixel, to which sums over pixels are integrals: those of Gaussians of a width of two radii.
+/// Exponent × square of the radius of a pixel, to which sums over pixels are integrals: those of Gaussians of a width
+/// of two radii.
 const WIDE: f64 = 0.25;
 
 /// Norms of the light of a block of N pixels, of its brightest channel.

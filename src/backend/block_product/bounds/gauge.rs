@@ -7,7 +7,7 @@ use super::lanes::{Lanes, Probe, Sums};
 use crate::backend::block_product::interpolation::{Interpolation, Level};
 use crate::backend::block_product::layout::BlockLayout;
 
-use crate::backend::block_product::tiles::GROUP;
+use crate::backend::block_product::tiles::TILE;
 
 /// A block's directions where an error is measured, about its centre on +z.
 #[derive(Debug, Clone)]
@@ -23,8 +23,8 @@ impl Probe {
     fn new(shape: &Shape, roll: f64, interpolation: &Interpolation, side: usize) -> Self {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), roll);
         let eight = |all: &[Vector3<f64>]| {
-            let mut eight = [[0.0; GROUP]; 3];
-            for lane in 0..GROUP {
+            let mut eight = [[0.0; TILE]; 3];
+            for lane in 0..TILE {
                 let d = turn * all[lane.min(all.len() - 1)];
                 eight.iter_mut().zip(d.iter()).for_each(|(axis, &c)| axis[lane] = c as f32);
             }
@@ -36,8 +36,8 @@ impl Probe {
         let pixels: Vec<usize> = chosen.iter().map(|(_, pixel)| *pixel).collect();
         let [_, four, sixteen] = interpolation.levels();
         Self {
-            pixels: places.chunks(GROUP).map(eight).collect(),
-            nodes: std::array::from_fn(|k| eight(&nodes[k * GROUP..])),
+            pixels: places.chunks(TILE).map(eight).collect(),
+            nodes: std::array::from_fn(|k| eight(&nodes[k * TILE..])),
             four: cardinals(four, &pixels),
             sixteen: cardinals(sixteen, &pixels),
             radius: shape.pixels.iter().map(|(d, _)| d.z.min(1.0).acos()).fold(0.0, f64::max),
@@ -50,7 +50,7 @@ fn cardinals<const COUNT: usize>(level: &Level, pixels: &[usize]) -> Vec<[Lanes;
     let eight = |pixels: &[usize]| {
         std::array::from_fn(|node| std::array::from_fn(|lane| level.cardinals[node][pixels[lane]] as f32))
     };
-    pixels.chunks_exact(GROUP).map(eight).collect()
+    pixels.chunks_exact(TILE).map(eight).collect()
 }
 
 /// One pixel of every 2 × 2, each of the four in turn; all of the smallest blocks.
@@ -70,11 +70,11 @@ pub(in crate::backend::block_product) struct Gauge {
     /// See [`spread`].
     pub(super) spread: f64,
     /// Shapes alike in size, smallest first: what stands for each.
-    pub(super) groups: Vec<Vec<Probe>>,
+    pub(super) families: Vec<Vec<Probe>>,
     /// [shape]
     #[cfg(test)]
-    group_of_shape: Vec<u8>,
-    /// [block]: its group.
+    family_of_shape: Vec<u8>,
+    /// [block]: its family.
     group_of: Vec<u8>,
     /// What stands for all shapes.
     pub(super) all: Vec<Vec<Probe>>,
@@ -113,13 +113,13 @@ impl Gauge {
         let probe = |shape: usize, roll: f64| Probe::new(&shapes[shape], roll, interpolation, side);
         // A block lies across the plane of incidence at any angle: straight and askew stand for all.
         let both = |run: &&[usize]| vec![probe(run[0], 0.0), probe(run[run.len() - 1], std::f64::consts::FRAC_PI_4)];
-        let group_of_shape = |shape: usize| runs.iter().position(|run| run.contains(&shape)).unwrap_or(0) as u8;
+        let family_of_shape = |shape: usize| runs.iter().position(|run| run.contains(&shape)).unwrap_or(0) as u8;
         Self {
             interpolation: interpolation.clone(),
-            groups: runs.iter().map(both).collect(),
+            families: runs.iter().map(both).collect(),
             #[cfg(test)]
-            group_of_shape: (0..blocks.len()).map(group_of_shape).collect(),
-            group_of: (0..layout.blocks()).map(|block| group_of_shape(layout.shape_of(block))).collect(),
+            family_of_shape: (0..blocks.len()).map(family_of_shape).collect(),
+            group_of: (0..layout.blocks()).map(|block| family_of_shape(layout.shape_of(block))).collect(),
             all: vec![both(&&by_size[..])],
             shapes,
             radius,
@@ -129,12 +129,12 @@ impl Gauge {
     }
 
     #[cfg(test)]
-    pub(super) fn group_of_shape(&self, shape: usize) -> u8 {
-        self.group_of_shape[shape]
+    pub(super) fn family_of_shape(&self, shape: usize) -> u8 {
+        self.family_of_shape[shape]
     }
 
-    /// [block]: the group of its shape.
-    pub(in crate::backend::block_product) fn groups(&self) -> &[u8] {
+    /// [block]: the family of its shape.
+    pub(in crate::backend::block_product) fn families(&self) -> &[u8] {
         &self.group_of
     }
 
@@ -143,7 +143,7 @@ impl Gauge {
     /// `peak` is what the lobe reaches in the block, if it may have been missed. A mean error that cancels at one place
     /// or turn of the block does not at the next: it is taken for an eighth of the root mean square at least.
     pub(super) fn errors_of(&self, sums: &Sums, probe: &Probe, peak: f32) -> [[f32; 4]; 3] {
-        let count = (probe.pixels.len() * GROUP) as f32;
+        let count = (probe.pixels.len() * TILE) as f32;
         let missed = peak / self.side as f32;
         let rms = sums.squares.map(|x| (x / count).sqrt());
         let is_missed = rms[0] < missed || peak.is_infinite();

@@ -22,7 +22,7 @@ pub(super) struct Grid {
     pub(super) azimuths: usize,
     /// Cells from the mirror direction to its opposite.
     pub(super) reach: usize,
-    pub(super) groups: usize,
+    pub(super) families: usize,
 }
 
 /// Viewers below this cosine to the normal are in no table: lobes become too narrow there.
@@ -30,14 +30,14 @@ pub(super) const LEAST: f64 = 0.005;
 
 impl Grid {
     /// `slow`: of a BRDF that is asked value by value, which a table must not do too often.
-    pub(super) fn of(symmetry: Symmetry, groups: usize, slow: bool) -> Self {
+    pub(super) fn of(symmetry: Symmetry, families: usize, slow: bool) -> Self {
         let (elevations, azimuths, reach) = match (symmetry, slow) {
             (Symmetry::Turned, false) => (32, 1, 20),
             (Symmetry::Turned, true) => (16, 1, 14),
             (Symmetry::Mirrored, _) => (16, 6, 16),
             (Symmetry::None, _) => (8, 12, 10),
         };
-        Self { symmetry, elevations, azimuths, reach, groups }
+        Self { symmetry, elevations, azimuths, reach, families }
     }
 
     pub(super) fn columns(&self) -> usize {
@@ -48,7 +48,7 @@ impl Grid {
         if self.symmetry == Symmetry::Turned { self.reach + 1 } else { self.columns() }
     }
 
-    /// Entries of a slice, of one group.
+    /// Entries of a slice, of one family.
     pub(super) fn plane(&self) -> usize {
         self.rows() * self.columns()
     }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::errors::{Checks, Codes, Errors};
 use super::gauge::Gauge;
 use super::{cell_of, half_sine};
+use crate::backend::block_product::rule::SampleClass;
 use crate::parallel;
 
 /// Errors for lobes about the mirror direction, over sin(θ/2) of the angle θ between it and a block's centre.
@@ -61,7 +62,8 @@ impl MirrorBounds {
 
     /// A cosine to the mirror direction below which blocks need no sample; above 1 if none does.
     pub(in crate::backend::block_product) fn reach(&self, checks: &Checks) -> f32 {
-        let is_free_of = |codes: &Codes| codes.class(checks, true) == 0 && codes.class(checks, false) == 0;
+        let is_free_of =
+            |codes: &Codes| [true, false].iter().all(|&free| codes.class(checks, free) == SampleClass::NONE);
         match self.beyond.partition_point(|codes| !is_free_of(codes)) {
             0 => 2.0,
             MIRROR_CELLS => -2.0,

@@ -1,10 +1,15 @@
-//! The error of a reflectance that is read at few samples a block: measured once for each lobe, looked up in every frame.
+//! The error of a reflectance that is read at few samples a block: measured once for each lobe, looked up in every
+//! frame.
 //!
-//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is at most
-//!   free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
-//!   partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|        (Cauchy and Schwarz, Hölder; 0 ≤ V ≤ 1)
-//! The three norms of e are tabulated for l = 0 (nothing at all), 1, 2 and 4; those of the light are numbers a block, new with each
-//! light. Under a smooth sky a free block so needs few samples of a sharp lobe, where the sun stands it needs them all.
+//! The error of l × l samples on a block of N pixels is e = ρ̃ − Σ_j ρ̃(node_j) φ_j. What it does to the radiance is,
+//! by Cauchy and Schwarz and by Hölder for 0 ≤ V ≤ 1, at most
+//! ```math
+//! free          |Σ L e|   ≤ |Σ L| |mean e| + √(N Σ (L − mean L)²) rms e
+//! partly hidden |Σ L V e| ≤ the less of  √(N Σ L²) rms e  and  N max |L| mean |e|
+//! ```
+//! The three norms of e are tabulated for l = 0 (nothing at all), 1, 2 and 4; those of the light are numbers a block,
+//! new with each light. Under a smooth sky a free block so needs few samples of a sharp lobe, where the sun stands it
+//! needs them all.
 //!
 //! | lobe | table over | why that is enough |
 //! |---|---|---|
@@ -22,7 +27,7 @@ pub(super) use errors::{Checks, Errors, Limits, Norms, offset, spread};
 pub(super) use gauge::Gauge;
 pub(super) use grid::Symmetry;
 pub(super) use mirror::MirrorBounds;
-pub(super) use wide::{Place, WideBounds, WideNodes, WideView, local_axes};
+pub(super) use wide::{Position, WideBounds, WideNodes, WideView};
 
 /// The cell of a number in [0, 1], of `count` equal ones.
 #[inline(always)]

@@ -1,6 +1,6 @@
 //! Errors of lobes of any kind.
 //!
-//! A table has a slice for each cell of the viewer's direction and each group of shapes of blocks. A slice is laid out
+//! A table has a slice for each cell of the viewer's direction and each family of shapes of blocks. A slice is laid out
 //! about the mirror direction m: a block's centre d lies in it at (x, y) sin(θ/2), θ the angle to m and (x, y) the
 //! direction from m to d, x along the plane of incidence. So a lobe stays in its place as the viewer moves, and only
 //! its shape changes. A slice holds the larger errors of the corners of the viewer's cell and is read off bilinearly.
@@ -16,8 +16,10 @@ use super::gauge::Gauge;
 use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
 use super::lanes::Probe;
 use super::lanes::{self, larger};
+use crate::backend::block_product::model::LobeModel;
+use crate::backend::block_product::rule::SampleClass;
 use crate::parallel;
-use crate::scene::{Axes, Kernel, narrow};
+use crate::scene::{Axes, Kernel, KernelVisitor, narrow};
 
 /// The errors of one block: rms, bias and mean of 0, 1, 4 and 16 samples.
 type Entry = [[u16; 4]; 3];
@@ -38,32 +40,21 @@ const FINE: u32 = 8;
 #[derive(Debug, Clone)]
 pub(in crate::backend::block_product) struct WideNodes {
     grid: Grid,
-    /// [viewer][group][row][column]
+    /// [viewer][family][row][column]
     entries: Vec<Entry>,
 }
 
 impl WideNodes {
-    /// Measures the lobe that `kernel` gives for a viewer, in the coordinates of [`local_axes`].
-    pub(in crate::backend::block_product) fn measure<const N: usize, K: Kernel<N>>(
-        gauge: &Gauge,
-        symmetry: Symmetry,
-        kernel: impl Fn(&Vector3<f64>) -> K + Sync,
-    ) -> Self {
+    /// Measures a lobe.
+    pub(in crate::backend::block_product) fn measure(gauge: &Gauge, symmetry: Symmetry, model: &LobeModel) -> Self {
         // Without any symmetry there are too many viewers to tell shapes apart.
-        let groups = if symmetry == Symmetry::None { &gauge.all } else { &gauge.groups };
-        let grid = Grid::of(symmetry, groups.len(), K::APART);
-        let arch = pulp::Arch::new();
+        let families = if symmetry == Symmetry::None { &gauge.all } else { &gauge.families };
+        let grid = Grid::of(symmetry, families.len(), model.is_opaque());
         let viewer = |node: usize| {
             let viewer = grid.viewer(node);
-            let mut entries = vec![NONE; groups.len() * grid.plane()];
-            arch.dispatch(Measuring::<N, K> {
-                grid,
-                axes: viewer.axes(),
-                kernel: kernel(&viewer.wo()),
-                gauge,
-                groups,
-                entries: &mut entries,
-            });
+            let mut entries = vec![NONE; families.len() * grid.plane()];
+            let measuring = Measuring { grid, axes: viewer.axes(), gauge, families, entries: &mut entries };
+            model.visit(&local_axes(), &viewer.wo(), measuring).expect("no viewer of a grid is below the horizon");
             entries
         };
         let nodes = (grid.elevations + 1) * grid.turns();
@@ -83,36 +74,48 @@ impl WideNodes {
 }
 
 /// The frame that kernels are measured in: normal +z, tangent +x.
-pub(in crate::backend::block_product) fn local_axes() -> Axes {
-    Axes::new(&crate::scene::Frame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
+fn local_axes() -> Axes {
+    Axes::new(&crate::scene::LocalFrame { tangent: Vector3::x(), bitangent: Vector3::y(), normal: Vector3::z() })
 }
 
 /// All places of one viewer.
-struct Measuring<'a, const N: usize, K> {
+struct Measuring<'a> {
     grid: Grid,
     axes: [Vector3<f64>; 3],
-    kernel: K,
     gauge: &'a Gauge,
-    groups: &'a [Vec<Probe>],
+    families: &'a [Vec<Probe>],
     entries: &'a mut [Entry],
 }
 
-impl<const N: usize, K: Kernel<N>> pulp::WithSimd for Measuring<'_, N, K> {
+impl KernelVisitor for Measuring<'_> {
+    type Output = ();
+
+    fn visit<const N: usize, K: Kernel<N>>(self, kernel: K) {
+        pulp::Arch::new().dispatch(MeasuringKernel::<N, K> { places: self, kernel });
+    }
+}
+
+struct MeasuringKernel<'a, const N: usize, K> {
+    places: Measuring<'a>,
+    kernel: K,
+}
+
+impl<const N: usize, K: Kernel<N>> pulp::WithSimd for MeasuringKernel<'_, N, K> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
-        let Self { grid, axes, kernel, gauge, groups, entries } = self;
+        let Self { kernel, places: Measuring { grid, axes, gauge, families, entries } } = self;
         let mirror = axes[2];
-        let peak = kernel.value(narrow(&mirror), mirror.z as f32).into_iter().fold(0.0, larger);
-        for (group, entries) in entries.chunks_exact_mut(grid.plane()).enumerate() {
+        let peak = kernel.at(narrow(&mirror), mirror.z as f32, mirror.z as f32).into_iter().fold(0.0, larger);
+        for (family, entries) in entries.chunks_exact_mut(grid.plane()).enumerate() {
             for (place, entry) in entries.iter_mut().enumerate() {
                 let Some((centre, half_sine)) = grid.centre(&axes, place) else { continue };
                 if centre.z < -gauge.radius.sin() {
                     continue;
                 }
                 let (turn, mut largest) = (turn_to(&centre), [[0.0_f32; 4]; 3]);
-                for probe in &groups[group] {
+                for probe in &families[family] {
                     let is_near = half_sine <= (0.5 * probe.radius).sin();
                     let sums = lanes::sums(kernel, &turn, probe);
                     let errors = gauge.errors_of(&sums, probe, if is_near { peak } else { 0.0 });
@@ -147,14 +150,14 @@ fn worse(a: Entry, b: Entry) -> Entry {
 #[derive(Debug, Clone)]
 pub(in crate::backend::block_product) struct WideBounds {
     grid: Grid,
-    /// [cell of the viewer][group][row][column]
+    /// [cell of the viewer][family][row][column]
     entries: Vec<Codes>,
 }
 
 impl WideBounds {
     pub(in crate::backend::block_product) fn new(nodes: &WideNodes) -> Self {
         let grid = nodes.grid;
-        let len = grid.groups * grid.plane();
+        let len = grid.families * grid.plane();
         let mut entries = Vec::with_capacity(grid.elevations * grid.azimuths * len);
         for cell in 0..grid.elevations * grid.azimuths {
             let corners = grid.corners(cell).map(|node| &nodes.entries[node * len..][..len]);
@@ -184,7 +187,7 @@ impl WideBounds {
             Symmetry::None => cell_of((0.25 * round_square(along)) as f32, grid.azimuths),
         };
         let elevation = cell_of((1.0 - local.z).max(0.0).sqrt() as f32, grid.elevations);
-        let len = grid.groups * grid.plane();
+        let len = grid.families * grid.plane();
         let viewer = Viewer { along, flat, z: local.z };
         let world = |d: Vector3<f64>| narrow(&axes.to_world(&Vector3::new(signs[0] * d.x, signs[1] * d.y, d.z)));
         Some(WideView {
@@ -225,7 +228,7 @@ const CURVED: u32 = 8 * STEPS as u32;
 #[derive(Debug, Clone, Copy)]
 pub(in crate::backend::block_product) struct WideView<'a> {
     grid: Grid,
-    /// [group][row][column]
+    /// [family][row][column]
     entries: &'a [Codes],
     /// x, y and mirror direction of the slice, in world coordinates.
     axes: [[f32; 3]; 3],
@@ -233,39 +236,44 @@ pub(in crate::backend::block_product) struct WideView<'a> {
 
 /// Where a block's errors are in a slice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(in crate::backend::block_product) struct Place(u32);
+pub(in crate::backend::block_product) struct Position(u32);
 
 impl WideView<'_> {
-    /// The places of blocks whose centres and groups are given.
+    /// The places of blocks whose centres and families are given.
     #[inline(always)]
     pub(in crate::backend::block_product) fn find(
         &self,
         [x, y, z]: &[Vec<f32>; 3],
-        groups: &[u8],
-        places: &mut [Place],
+        families: &[u8],
+        places: &mut [Position],
     ) {
         let Grid { symmetry, reach, .. } = self.grid;
         let (columns, plane) = (self.grid.columns() as u32, self.grid.plane() as u32);
         let is_half = symmetry == Symmetry::Turned;
         let (fine, last) = (FINE as f32 * reach as f32, (2 * reach as u32 * FINE - 1) as f32);
         let last_row = if is_half { fine - 1.0 } else { last };
-        let whole = if self.grid.groups > 1 { plane } else { 0 };
-        let centres = x.iter().zip(y).zip(z).zip(groups);
-        for ((((&x, &y), &z), &group), place) in centres.zip(places) {
+        let whole = if self.grid.families > 1 { plane } else { 0 };
+        let centres = x.iter().zip(y).zip(z).zip(families);
+        for ((((&x, &y), &z), &family), place) in centres.zip(places) {
             let [a, b, c] = self.axes.map(|axis| axis[0] * x + axis[1] * y + axis[2] * z);
             // (a, b)/√(2(1 + c)) is sin(θ/2) times the direction; at θ = π any direction is as good.
             let opposite = 1.0 + c;
             let scale = fine / (2.0 * if opposite > 1e-6 { opposite } else { 1e-6 }).sqrt();
             let column = steps(a * scale + fine, last);
             let row = steps(if is_half { b.abs() * scale } else { b * scale + fine }, last_row);
-            let at = u32::from(group) * whole + row / FINE * columns + column / FINE;
-            *place = Place((at << 6) | ((row % FINE) << 3) | (column % FINE));
+            let at = u32::from(family) * whole + row / FINE * columns + column / FINE;
+            *place = Position((at << 6) | ((row % FINE) << 3) | (column % FINE));
         }
     }
 
     /// The fewest samples of a block at a place: none, 1, 4, 16, pixels.
     #[inline(always)]
-    pub(in crate::backend::block_product) fn class(&self, Place(place): Place, checks: &Checks, free: bool) -> u8 {
+    pub(in crate::backend::block_product) fn class(
+        &self,
+        Position(place): Position,
+        checks: &Checks,
+        free: bool,
+    ) -> SampleClass {
         let (corners, weights) = self.corners(place);
         Codes::class_between(corners, weights, checks, free)
     }
@@ -298,10 +306,10 @@ mod tests {
     use super::super::errors::Errors;
     use super::super::gauge::LEFT_OUT;
     use super::*;
-    use crate::backend::block_product::interpolation::{Basis, Interpolation};
+    use crate::backend::block_product::interpolation::{Interpolation, SampleBasis};
     use crate::backend::block_product::layout::BlockLayout;
     use crate::compress::ScanOrder;
-    use crate::scene::{Brdf, CookTorrance, Reflectance, Ward};
+    use crate::scene::{Brdf, CookTorrance, Lobe, Ward};
     use crate::sphere::CubeGrid;
 
     /// Numbers in [0, 1).
@@ -336,11 +344,12 @@ mod tests {
                 Vector3::new(lobe(&wi, &wo) * wi.z, 0.0, 0.0)
             });
             let view = bounds.seen_from(&axes, &wo).expect("high enough");
-            let group = gauge.groups.len() - 1;
-            let group = (0..=group).find(|&g| gauge.group_of_shape(shape) == g as u8).expect("every shape has a group");
-            let mut place = [Place::default()];
+            let family = gauge.families.len() - 1;
+            let family =
+                (0..=family).find(|&g| gauge.family_of_shape(shape) == g as u8).expect("every shape has a family");
+            let mut place = [Position::default()];
             let centre = [centre.x, centre.y, centre.z].map(|x| vec![x as f32]);
-            view.find(&centre, &[group as u8], &mut place);
+            view.find(&centre, &[family as u8], &mut place);
             let (corners, weights) = view.corners(place[0].0);
             let got = Codes::between(corners, weights).all();
             for (k, want) in Codes::exactly(exact).all().into_iter().enumerate() {
@@ -360,21 +369,18 @@ mod tests {
     #[test]
     fn a_table_is_above_what_blocks_make_and_not_far() {
         let layout = BlockLayout::new(CubeGrid::new(64).unwrap(), 16, ScanOrder::RowMajor).unwrap();
-        let gauge = Gauge::new(&layout, &Interpolation::new(16, Basis::Polynomial).unwrap());
-        let axes = local_axes();
+        let gauge = Gauge::new(&layout, &Interpolation::new(16, SampleBasis::Polynomial).unwrap());
         let mut all = Vec::new();
         for alpha in [[0.1; 2], [0.2; 2], [0.5; 2], [0.15, 0.4]] {
             let symmetry = if alpha[0] == alpha[1] { Symmetry::Turned } else { Symmetry::Mirrored };
             let ggx = CookTorrance::new([1.0; 3], alpha[0], alpha[1]).unwrap();
-            let nodes = WideNodes::measure(&gauge, symmetry, |wo| match ggx.facets(&axes, wo).unwrap() {
-                Reflectance::Grey(kernel) => kernel,
-                Reflectance::Coloured(_) => unreachable!(),
-            });
-            let of_ggx = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ggx.eval(wi, wo).x / ggx.constant());
             let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
-            let nodes = WideNodes::measure(&gauge, symmetry, |wo| ward.kernel(&axes, wo).unwrap());
-            let of_ward = surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| ward.eval(wi, wo).x / ward.factor().x);
-            all.extend([of_ggx, of_ward]);
+            let both: [(&dyn Brdf, Lobe); 2] = [(&ggx, Lobe::CookTorrance(ggx)), (&ward, Lobe::Ward(ward))];
+            all.extend(both.map(|(brdf, lobe)| {
+                let nodes = WideNodes::measure(&gauge, symmetry, &LobeModel::Known(lobe));
+                let factor = lobe.factor().x;
+                surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| brdf.eval(wi, wo).x / factor)
+            }));
         }
         for (least, mean) in all {
             assert!(least.iter().all(|&least| least >= 0.0), "a table is too low by {least:?} octaves");

@@ -208,7 +208,7 @@ impl PolygonLight {
     /// # Panics
     /// If there are `normals` and not as many as points, or `out.len()` is not bands² times their number.
     #[track_caller]
-    pub fn batch<T: Real>(
+    pub fn eval_batch<T: Real>(
         &self,
         vertices: &[Vector3<T>],
         points: &[Vector3<T>],

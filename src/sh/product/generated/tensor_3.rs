@@ -1,4 +1,4 @@
-//! 3 bands in straight lines. Written by `cargo run --release -p haarmonic-generate`.
+//! 3 bands in straight lines. Written by `cargo run -p haarmonic-generate`.
 
 use super::super::text::{Site, Straight};
 

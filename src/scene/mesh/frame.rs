@@ -1,0 +1,46 @@
+//! Local frames of a surface.
+
+use nalgebra::{UnitVector3, Vector3};
+
+use super::normals::perpendicular;
+use crate::approx_eq::approx_by_parts;
+
+/// An orthonormal right-handed frame: x = tangent, y = bitangent, z = normal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LocalFrame {
+    /// Local +x.
+    pub tangent: Vector3<f32>,
+    /// Local +y, normal × tangent.
+    pub bitangent: Vector3<f32>,
+    /// Local +z.
+    pub normal: Vector3<f32>,
+}
+
+impl LocalFrame {
+    /// A frame around a normal; its tangent is arbitrary but deterministic.
+    pub fn around(normal: &UnitVector3<f64>) -> Self {
+        let normal = normal.cast::<f32>().into_inner();
+        let tangent = perpendicular(&normal);
+        Self { tangent, bitangent: normal.cross(&tangent), normal }
+    }
+
+    /// World to local coordinates, in `f64`.
+    #[inline]
+    pub fn to_local(&self, world: &Vector3<f64>) -> Vector3<f64> {
+        Vector3::new(
+            self.tangent.cast::<f64>().dot(world),
+            self.bitangent.cast::<f64>().dot(world),
+            self.normal.cast::<f64>().dot(world),
+        )
+    }
+
+    /// Local to world coordinates, in `f64`.
+    #[inline]
+    pub fn to_world(&self, local: &Vector3<f64>) -> Vector3<f64> {
+        self.tangent.cast::<f64>() * local.x
+            + self.bitangent.cast::<f64>() * local.y
+            + self.normal.cast::<f64>() * local.z
+    }
+}
+
+approx_by_parts!([] LocalFrame, f32, |f| close [[f.tangent, f.bitangent, f.normal]] same []);
