@@ -49,7 +49,7 @@ macro_rules! replayed {
         }
     )*};
 }
-replayed!(ply obj gltf hdr exr png merl store);
+replayed!(ply obj gltf hdr exr png merl merl_edits store);
 
 /// Every number of what is stored in turn, at every edge: what a fuzzer seldom hits, because a number has many bytes.
 #[test]

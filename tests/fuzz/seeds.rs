@@ -233,7 +233,6 @@ fn merl() {
     let header: Vec<u8> = [90, 90, 180].map(i32::to_le_bytes).concat();
     let numbers = |values: &[f32]| values.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>();
     let edit = |place: u32, value: f64| [&place.to_le_bytes()[..], &value.to_le_bytes()].concat();
-    let edits = |edits: &[u8]| [&b"dits:"[..], edits].concat();
     write(
         "merl",
         [
@@ -243,10 +242,15 @@ fn merl() {
             ("other_size".into(), b'r', [4, 4, 8].map(i32::to_le_bytes).concat()),
             ("directions".into(), b'd', numbers(&[0.0, 0.0, 1.0, 0.6, 0.0, 0.8, -0.6, 0.0, 0.8, 0.0, 1.0, 0.0])),
             ("below".into(), b'd', numbers(&[0.0, 0.0, -1.0, 0.6, 0.8, 1e-30, f32::NAN, 0.0, 1.0, 0.0, 0.0, 0.0])),
-            ("nan".into(), b'e', edits(&edit(20, f64::NAN))),
-            ("not_measured".into(), b'e', edits(&[edit(12, -1.0), edit(11_664_012, 1e300)].concat())),
-            ("cut".into(), b'e', edits(&[3])),
-            ("longer".into(), b'e', edits(&[3; 5])),
+        ],
+    );
+    write(
+        "merl_edits",
+        [
+            ("nan".into(), b'e', edit(20, f64::NAN)),
+            ("not_measured".into(), b'e', [edit(12, -1.0), edit(11_664_012, 1e300)].concat()),
+            ("cut".into(), b'e', vec![3]),
+            ("longer".into(), b'e', vec![3; 5]),
         ],
     );
 }

@@ -9,7 +9,7 @@ mod store;
 use haarmonic::Error;
 
 pub use self::mesh::{gltf, obj, ply};
-pub use self::picture::{exr, hdr, merl, png};
+pub use self::picture::{exr, hdr, merl, merl_edits, png};
 pub use self::store::store;
 
 /// What errors and warnings call the input.
