@@ -176,7 +176,7 @@ const COLUMNS: usize = 120;
 fn prose_fits_the_columns() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut pages: Vec<PathBuf> = ["README.md", "CONTRIBUTING.md"].iter().map(|page| root.join(page)).collect();
-    for folder in ["docs", "benches", "benches/peers"] {
+    for folder in ["docs", "benches", "benches/peers", "fuzz"] {
         let entries = fs::read_dir(root.join(folder)).unwrap().map(|entry| entry.unwrap().path());
         pages.extend(entries.filter(|path| path.extension().is_some_and(|e| e == "md")));
     }
