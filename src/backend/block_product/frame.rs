@@ -7,7 +7,7 @@ use super::cases::Cases;
 use super::layout::BlockLayout;
 use super::light::LightForms;
 use super::live::{Live, LiveBlocks};
-use super::lobes::{Lobe, Plan, Planner, Sampling};
+use super::lobes::{Plan, PlannedLobe, Planner, Sampling};
 use super::products::{Cut, LobeSum, Moments};
 use super::rule::{BlockAngle, Rule, SampleClass, fixed};
 use super::samples::Samples;
@@ -189,7 +189,7 @@ impl Frame<'_, '_> {
     }
 
     /// The case of each live block.
-    fn classify(self, vertex: usize, lobe: &Lobe, seen: &Facing, scratch: &mut Scratch) {
+    fn classify(self, vertex: usize, lobe: &PlannedLobe, seen: &Facing, scratch: &mut Scratch) {
         let Inputs { directions, arch, .. } = self.inputs;
         let Scratch { live, cases, near, positions, .. } = scratch;
         match &lobe.sampling {
@@ -235,7 +235,7 @@ impl Frame<'_, '_> {
         self,
         maps: &V,
         vertex: usize,
-        lobe: &Lobe,
+        lobe: &PlannedLobe,
         seen: &Facing,
         scratch: &mut Scratch,
     ) -> Vector3<f64> {
@@ -243,7 +243,7 @@ impl Frame<'_, '_> {
         let is_cut = matches!(lobe.sampling, Sampling::Mirror { .. });
         let cut = is_cut.then(|| Cut { mirror: seen.mirror, least: &lobe.least });
         let run = LobeRun { frame: self, vertex, seen, cut };
-        let sum = lobe.model.visit(axes, wo, Integral { run, maps, scratch });
+        let sum = lobe.source.visit(axes, wo, Integral { run, maps, scratch });
         Vector3::from(sum.unwrap_or_default())
     }
 

@@ -7,32 +7,32 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::bounds::{Checks, Errors, Gauge, Limits, MirrorBounds, Symmetry, WideBounds, WideNodes, offset};
-use super::model::{LobeModel, is_finite, is_isotropic};
 use super::parameters::{Corner, Parameters, exponent_at, exponent_index};
 use super::rule::Rule;
+use super::source::{LobeSource, is_finite, is_isotropic};
 use super::tables::Radii;
 use crate::Result;
-use crate::scene::{Brdf, Lobe as KnownLobe, Materials, Shape, Structure};
+use crate::scene::{Brdf, Lobe, Materials, Shape, Structure};
 
 /// A material as a frame uses it.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     /// Σ albedo/π of the cosine terms that are integrated exactly.
     pub(super) diffuse: Vector3<f64>,
-    pub(super) lobes: Vec<Lobe>,
+    pub(super) lobes: Vec<PlannedLobe>,
 }
 
 impl Plan {
     /// Whether only values are known of a part of it.
     pub(super) fn has_opaque(&self) -> bool {
-        self.lobes.iter().any(|lobe| lobe.model.is_opaque())
+        self.lobes.iter().any(|lobe| lobe.source.is_opaque())
     }
 }
 
 /// One lobe of a material.
 #[derive(Debug, Clone)]
-pub(super) struct Lobe {
-    pub(super) model: LobeModel,
+pub(super) struct PlannedLobe {
+    pub(super) source: LobeSource,
     pub(super) factor: Vector3<f64>,
     pub(super) sampling: Sampling,
     /// [block]: the errors that the light allows.
@@ -42,9 +42,9 @@ pub(super) struct Lobe {
     pub(super) least: Vec<f32>,
 }
 
-impl Lobe {
-    fn new(model: LobeModel, factor: Vector3<f64>, sampling: Sampling) -> Self {
-        Self { model, factor, sampling, checks: Vec::new(), reach: Vec::new(), least: Vec::new() }
+impl PlannedLobe {
+    fn new(source: LobeSource, factor: Vector3<f64>, sampling: Sampling) -> Self {
+        Self { source, factor, sampling, checks: Vec::new(), reach: Vec::new(), least: Vec::new() }
     }
 
     /// Sets what depends on the light.
@@ -91,8 +91,8 @@ pub(super) struct Planner {
     plans: Vec<Plan>,
     edges: HashMap<i32, Arc<Vec<Errors>>>,
     mirror: HashMap<i32, Arc<MirrorBounds>>,
-    nodes: HashMap<(Discriminant<KnownLobe>, Corner), Arc<WideNodes>>,
-    wide: HashMap<(Discriminant<KnownLobe>, Parameters), Arc<WideBounds>>,
+    nodes: HashMap<(Discriminant<Lobe>, Corner), Arc<WideNodes>>,
+    wide: HashMap<(Discriminant<Lobe>, Parameters), Arc<WideBounds>>,
 }
 
 impl Planner {
@@ -141,7 +141,7 @@ impl Planner {
     }
 
     fn take_apart(&mut self, brdf: &Arc<dyn Brdf>, weight: f64, plan: &mut Plan) -> Result<()> {
-        let (model, factor) = match brdf.structure() {
+        let (source, factor) = match brdf.structure() {
             Structure::Sum(terms) => {
                 return terms.iter().try_for_each(|(w, brdf)| self.take_apart(brdf, weight * w, plan));
             }
@@ -150,31 +150,31 @@ impl Planner {
                     plan.diffuse += lobe.factor() * weight;
                     return Ok(());
                 }
-                (LobeModel::Known(lobe), lobe.factor())
+                (LobeSource::Known(lobe), lobe.factor())
             }
-            Structure::Opaque => (LobeModel::Opaque(Arc::clone(brdf)), Vector3::repeat(1.0)),
+            Structure::Opaque => (LobeSource::Opaque(Arc::clone(brdf)), Vector3::repeat(1.0)),
         };
         let factor = factor * weight;
         if factor.max() > 0.0 {
-            let sampling = self.sampling(&model, factor.max())?;
-            plan.lobes.push(Lobe::new(model, factor, sampling));
+            let sampling = self.sampling(&source, factor.max())?;
+            plan.lobes.push(PlannedLobe::new(source, factor, sampling));
         }
         Ok(())
     }
 
-    fn sampling(&mut self, model: &LobeModel, factor: f64) -> Result<Sampling> {
+    fn sampling(&mut self, source: &LobeSource, factor: f64) -> Result<Sampling> {
         match self.rule {
             Rule::Pixels => Ok(Sampling::Pixels),
-            Rule::Fixed { .. } => Ok(Sampling::Fixed(model.equivalent_exponent())),
+            Rule::Fixed { .. } => Ok(Sampling::Fixed(source.equivalent_exponent())),
             Rule::Bounded { .. } => {
                 let offset = offset(factor);
-                Ok(match model {
-                    LobeModel::Opaque(brdf) => {
+                Ok(match source {
+                    LobeSource::Opaque(brdf) => {
                         let symmetry = if is_isotropic(brdf.as_ref()) { Symmetry::Turned } else { Symmetry::None };
-                        let nodes = WideNodes::measure(&self.gauge, symmetry, model);
+                        let nodes = WideNodes::measure(&self.gauge, symmetry, source);
                         Sampling::Wide { bounds: Arc::new(WideBounds::new(&nodes)), offset }
                     }
-                    LobeModel::Known(lobe) => match lobe.shape() {
+                    LobeSource::Known(lobe) => match lobe.shape() {
                         Shape::Mirror { exponent } => {
                             Sampling::Mirror { bounds: self.mirror(exponent), offset, exponent }
                         }
@@ -203,7 +203,7 @@ impl Planner {
     }
 
     /// The same for any other lobe, over the corners of the cell of its parameters.
-    fn wide(&mut self, lobe: &KnownLobe) -> Result<Arc<WideBounds>> {
+    fn wide(&mut self, lobe: &Lobe) -> Result<Arc<WideBounds>> {
         let (model, cell) = (discriminant(lobe), Parameters::of(lobe.shape()));
         if let Some(bounds) = self.wide.get(&(model, cell)) {
             return Ok(Arc::clone(bounds));
@@ -222,13 +222,13 @@ impl Planner {
     }
 
     /// Errors at a corner; kept only if they are few.
-    fn nodes(&mut self, lobe: &KnownLobe, corner: Corner) -> Result<Arc<WideNodes>> {
+    fn nodes(&mut self, lobe: &Lobe, corner: Corner) -> Result<Arc<WideNodes>> {
         let key = (discriminant(lobe), corner);
         if let Some(nodes) = self.nodes.get(&key) {
             return Ok(Arc::clone(nodes));
         }
-        let model = LobeModel::Known(lobe.reshaped(corner.shape(lobe.shape()))?);
-        let nodes = Arc::new(WideNodes::measure(&self.gauge, corner.symmetry, &model));
+        let source = LobeSource::Known(lobe.reshaped(corner.shape(lobe.shape()))?);
+        let nodes = Arc::new(WideNodes::measure(&self.gauge, corner.symmetry, &source));
         if corner.symmetry == Symmetry::Turned {
             self.nodes.insert(key, Arc::clone(&nodes));
         }

@@ -8,13 +8,13 @@ use crate::scene::{Axes, Brdf, Kernel, KernelVisitor, Lobe, Shape, Structure, na
 
 /// Whose values a lobe has.
 #[derive(Debug, Clone)]
-pub(super) enum LobeModel {
+pub(super) enum LobeSource {
     Known(Lobe),
     /// Nothing is known but its values.
     Opaque(Arc<dyn Brdf>),
 }
 
-impl LobeModel {
+impl LobeSource {
     pub(super) fn is_opaque(&self) -> bool {
         matches!(self, Self::Opaque(_))
     }

@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_are_those_of_bytes_and_entries_that_are_not_0() {
+    fn tiles_are_those_of_bytes_and_entries_that_are_not_0() {
         let words = [0x0100_0000_ff00_0080_u64, 0, !0, 0x0000_8000_0000_0001];
         let bytes = words.iter().flat_map(|word| word.to_le_bytes());
         let expected: Vec<usize> = bytes.enumerate().filter(|&(_, byte)| byte != 0).map(|(k, _)| k).collect();

@@ -93,7 +93,7 @@ impl Brdf for CookTorrance {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lobe(Lobe::CookTorrance(*self))
+        Structure::Lobe(self.lobe())
     }
 
     fn is_isotropic(&self) -> bool {
@@ -106,6 +106,10 @@ impl Brdf for CookTorrance {
 }
 
 impl LobeModel for CookTorrance {
+    fn lobe(self) -> Lobe {
+        Lobe::CookTorrance(self)
+    }
+
     fn tint(&self) -> Vector3<f64> {
         Vector3::repeat(1.0)
     }

@@ -49,7 +49,7 @@ impl Brdf for Lambert {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lobe(Lobe::Lambert(*self))
+        Structure::Lobe(self.lobe())
     }
 
     fn is_isotropic(&self) -> bool {
@@ -66,6 +66,10 @@ impl Brdf for Lambert {
 }
 
 impl LobeModel for Lambert {
+    fn lobe(self) -> Lobe {
+        Lobe::Lambert(self)
+    }
+
     fn tint(&self) -> Vector3<f64> {
         self.albedo
     }

@@ -60,13 +60,7 @@ impl Lobe {
     /// If the shape is of another kind than the model's.
     #[track_caller]
     pub(crate) fn reshaped(&self, shape: Shape) -> Result<Self> {
-        Ok(match self {
-            Self::Lambert(model) => Self::Lambert(model.reshaped(shape)?),
-            Self::Phong(model) => Self::Phong(model.reshaped(shape)?),
-            Self::BlinnPhong(model) => Self::BlinnPhong(model.reshaped(shape)?),
-            Self::Ward(model) => Self::Ward(model.reshaped(shape)?),
-            Self::CookTorrance(model) => Self::CookTorrance(model.reshaped(shape)?),
-        })
+        of_any!(self, model => Ok(model.reshaped(shape)?.lobe()))
     }
 
     /// Hands the kernel for a viewer to `visitor`; `None` if the viewer is below the horizon.
@@ -97,7 +91,9 @@ pub(crate) trait KernelVisitor {
 }
 
 /// A model of one lobe: f · cos θ_i = tint · constant · kernel.
-pub(super) trait LobeModel: Brdf + Sized {
+pub(super) trait LobeModel: Brdf + Copy {
+    /// Which lobe it is.
+    fn lobe(self) -> Lobe;
     fn tint(&self) -> Vector3<f64>;
     fn constant(&self) -> f64;
     fn shape(&self) -> Shape;

@@ -69,7 +69,7 @@ impl Brdf for Phong {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lobe(Lobe::Phong(*self))
+        Structure::Lobe(self.lobe())
     }
 
     fn is_isotropic(&self) -> bool {
@@ -82,6 +82,10 @@ impl Brdf for Phong {
 }
 
 impl LobeModel for Phong {
+    fn lobe(self) -> Lobe {
+        Lobe::Phong(self)
+    }
+
     fn tint(&self) -> Vector3<f64> {
         self.albedo
     }
@@ -182,7 +186,7 @@ impl Brdf for BlinnPhong {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lobe(Lobe::BlinnPhong(*self))
+        Structure::Lobe(self.lobe())
     }
 
     fn is_isotropic(&self) -> bool {
@@ -195,6 +199,10 @@ impl Brdf for BlinnPhong {
 }
 
 impl LobeModel for BlinnPhong {
+    fn lobe(self) -> Lobe {
+        Lobe::BlinnPhong(self)
+    }
+
     fn tint(&self) -> Vector3<f64> {
         self.albedo
     }

@@ -83,7 +83,7 @@ impl Brdf for Ward {
     }
 
     fn structure(&self) -> Structure<'_> {
-        Structure::Lobe(Lobe::Ward(*self))
+        Structure::Lobe(self.lobe())
     }
 
     fn is_isotropic(&self) -> bool {
@@ -96,6 +96,10 @@ impl Brdf for Ward {
 }
 
 impl LobeModel for Ward {
+    fn lobe(self) -> Lobe {
+        Lobe::Ward(self)
+    }
+
     fn tint(&self) -> Vector3<f64> {
         self.albedo
     }

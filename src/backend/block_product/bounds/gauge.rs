@@ -75,7 +75,7 @@ pub(in crate::backend::block_product) struct Gauge {
     #[cfg(test)]
     family_of_shape: Vec<u8>,
     /// [block]: its family.
-    group_of: Vec<u8>,
+    family_of: Vec<u8>,
     /// What stands for all shapes.
     pub(super) all: Vec<Vec<Probe>>,
 }
@@ -119,7 +119,7 @@ impl Gauge {
             families: runs.iter().map(both).collect(),
             #[cfg(test)]
             family_of_shape: (0..blocks.len()).map(family_of_shape).collect(),
-            group_of: (0..layout.blocks()).map(|block| family_of_shape(layout.shape_of(block))).collect(),
+            family_of: (0..layout.blocks()).map(|block| family_of_shape(layout.shape_of(block))).collect(),
             all: vec![both(&&by_size[..])],
             shapes,
             radius,
@@ -135,7 +135,7 @@ impl Gauge {
 
     /// [block]: the family of its shape.
     pub(in crate::backend::block_product) fn families(&self) -> &[u8] {
-        &self.group_of
+        &self.family_of
     }
 
     /// What sums over a probe make: rms, bias and mean of 0, 1, 4 and 16 samples.

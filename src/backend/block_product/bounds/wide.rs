@@ -16,8 +16,8 @@ use super::gauge::Gauge;
 use super::grid::{Grid, LEAST, Symmetry, Viewer, round_square};
 use super::lanes::Probe;
 use super::lanes::{self, larger};
-use crate::backend::block_product::model::LobeModel;
 use crate::backend::block_product::rule::SampleClass;
+use crate::backend::block_product::source::LobeSource;
 use crate::parallel;
 use crate::scene::{Axes, Kernel, KernelVisitor, narrow};
 
@@ -46,15 +46,15 @@ pub(in crate::backend::block_product) struct WideNodes {
 
 impl WideNodes {
     /// Measures a lobe.
-    pub(in crate::backend::block_product) fn measure(gauge: &Gauge, symmetry: Symmetry, model: &LobeModel) -> Self {
+    pub(in crate::backend::block_product) fn measure(gauge: &Gauge, symmetry: Symmetry, source: &LobeSource) -> Self {
         // Without any symmetry there are too many viewers to tell shapes apart.
         let families = if symmetry == Symmetry::None { &gauge.all } else { &gauge.families };
-        let grid = Grid::of(symmetry, families.len(), model.is_opaque());
+        let grid = Grid::of(symmetry, families.len(), source.is_opaque());
         let viewer = |node: usize| {
             let viewer = grid.viewer(node);
             let mut entries = vec![NONE; families.len() * grid.plane()];
             let measuring = Measuring { grid, axes: viewer.axes(), gauge, families, entries: &mut entries };
-            model.visit(&local_axes(), &viewer.wo(), measuring).expect("no viewer of a grid is below the horizon");
+            source.visit(&local_axes(), &viewer.wo(), measuring).expect("no viewer of a grid is below the horizon");
             entries
         };
         let nodes = (grid.elevations + 1) * grid.turns();
@@ -377,7 +377,7 @@ mod tests {
             let ward = Ward::new([1.0; 3], alpha[0], alpha[1]).unwrap();
             let both: [(&dyn Brdf, Lobe); 2] = [(&ggx, Lobe::CookTorrance(ggx)), (&ward, Lobe::Ward(ward))];
             all.extend(both.map(|(brdf, lobe)| {
-                let nodes = WideNodes::measure(&gauge, symmetry, &LobeModel::Known(lobe));
+                let nodes = WideNodes::measure(&gauge, symmetry, &LobeSource::Known(lobe));
                 let factor = lobe.factor().x;
                 surplus(&WideBounds::new(&nodes), &gauge, |wi, wo| brdf.eval(wi, wo).x / factor)
             }));
