@@ -176,12 +176,12 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //!
 //! # Plans, batches, scratch
 //!
-//! A *plan* is made once and applied many times, such as [`haar::Transform2d`] or [`sh::Rotation`]. Its type names the
-//! scalar (`f32` or `f64`) if it stores numbers of it; otherwise its methods do. Functions without a plan, such as
+//! A *plan* is made once and applied many times, such as [`haar::Transform2d`] or [`sh::Rotation`]. One whose type
+//! names a scalar (`f32` or `f64`) is for that one; the others serve both. Functions without a plan, such as
 //! [`haar::forward_2d`], make one for a single use.
 //!
-//! - A name that ends in `_batch` does for many what the name without does for one, with the same bits. Where `count`
-//!   is an argument, number k of item v is at k · `count` + v; where it is none, items follow one another.
+//! - A name that ends in `_batch` does for many what the name without does for one, with the same bits. Images
+//!   follow one another. Of coefficients and right-hand sides, number k of item v is at k · `count` + v.
 //! - A name that ends in `_parallel` does the same on all threads.
 //! - *Scratch* is memory that a call overwrites, always the last argument. It is a slice of `scratch_len()` numbers, or
 //!   a type of its own that the plan's `scratch()` or `default()` makes; one for each thread. Calls do not allocate
