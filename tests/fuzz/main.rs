@@ -4,6 +4,9 @@
 #[allow(dead_code, reason = "tests of pictures use the rest")]
 #[path = "../io/pictures/exr_files.rs"]
 mod exr_files;
+#[allow(dead_code, reason = "seeds use a part of this")]
+#[path = "../support/noise.rs"]
+mod noise;
 mod seeds;
 mod targets;
 

@@ -22,6 +22,7 @@ use miniz_oxide::deflate::compress_to_vec_zlib;
 
 use super::corpus;
 use super::exr_files::{COMPRESSIONS, file as exr_file};
+use super::noise::Stream;
 
 /// Longer inputs make a fuzzer slow.
 const LONGEST: usize = 4096;
@@ -255,14 +256,10 @@ fn merl() {
     );
 }
 
-/// Pseudo-random numbers in [−1, 1).
+/// Numbers in [−1, 1) without a pattern.
 fn numbers(len: usize) -> Vec<f64> {
-    let mut state = 5_u64;
-    let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    };
-    (0..len).map(|_| next()).collect()
+    let mut stream = Stream::new(5);
+    (0..len).map(|_| stream.signed()).collect()
 }
 
 /// Settings of the target `store`.
