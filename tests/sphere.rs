@@ -631,3 +631,224 @@ proptest! {
         prop_assert!((product - other).abs() <= 1e-12 * bound, "{product} {other}");
     }
 }
+
+#[test]
+fn cells_of_a_top_face_are_their_integrals() {
+    for (size, cells) in [(2.0, 1), (2.0, 7), (3.0, 8), (4.0, 5), (10.0, 16), (0.1, 3)] {
+        let face = TopFace::new(size, cells).unwrap();
+        let line = |i: usize| size * (i as f64 / cells as f64 - 0.5);
+        let (mut all, mut projected) = (0.0, 0.0);
+        for (x, y) in (0..face.len()).map(|i| (i % cells, i / cells)) {
+            let (u, v) = ([line(x), line(x + 1)], [line(y), line(y + 1)]);
+            let (got, want) = (face.solid_angle(x, y), naive::solid_angle(u, v));
+            assert!((got - want).abs() <= 4.0 * EPS, "{size}, {cells}: ({x}, {y}): {got} against {want}");
+            let (got, want) = (face.projected_solid_angle(x, y), naive::projected_solid_angle(u, v));
+            assert!((got - want).abs() <= 4.0 * EPS, "{size}, {cells}: ({x}, {y}): {got} against {want}");
+            all += face.solid_angle(x, y);
+            projected += face.projected_solid_angle(x, y);
+        }
+        let n = (cells * cells) as f64;
+        assert!((all - face.covered_solid_angle()).abs() <= n * EPS);
+        assert!((projected - face.covered_projected_solid_angle()).abs() <= n * EPS);
+    }
+    // The shares that docs/errata.md has for the thesis' face of size 10, and the face of a cube.
+    let (ten, cube_face) = (TopFace::new(10.0, 1).unwrap(), TopFace::new(2.0, 4).unwrap());
+    assert!((ten.covered_solid_angle() / (2.0 * PI) - 0.8229).abs() < 5e-5);
+    assert!((ten.covered_projected_solid_angle() / PI - 0.9683).abs() < 5e-5);
+    assert!((cube_face.covered_solid_angle() - 2.0 * PI / 3.0).abs() < 4.0 * EPS);
+    assert_eq!(cube_face.solid_angle(1, 2), cube(4).solid_angle(1, 2));
+    // All of the hemisphere but a strip of 4√2/h at the horizon.
+    let wide = TopFace::new(1e6, 1).unwrap();
+    assert!((2.0 * PI - wide.covered_solid_angle() - 4.0 * 2.0_f64.sqrt() / 5e5).abs() < 1e-13);
+    assert!((PI - wide.covered_projected_solid_angle() - (PI + 2.0) * 2e-12).abs() < 1e-14);
+}
+
+#[test]
+fn top_faces_refuse_what_is_none() {
+    for size in [0.0, -2.0, 1e-7, 1e7, f64::NAN, f64::INFINITY] {
+        assert!(matches!(TopFace::new(size, 4), Err(Error::OutOfRange { .. })), "{size}");
+    }
+    for cells in [0, TopFace::MAX_CELLS + 1, usize::MAX] {
+        assert!(matches!(TopFace::new(2.0, cells), Err(Error::OutOfRange { .. })), "{cells}");
+    }
+    let face = TopFace::new(2.0, 4).unwrap();
+    for missed in [Vector3::x(), -Vector3::z(), Vector3::new(1.1, 0.0, 1.0), Vector3::repeat(f64::NAN)] {
+        assert_eq!(face.nearest(&missed), None, "{missed}");
+    }
+    assert_eq!(face.nearest(&Vector3::new(1.0, 1.0, 1.0)), Some(15));
+    assert_eq!(face.nearest(&Vector3::new(-1.0, -1.0, 1.0)), Some(0));
+}
+
+proptest! {
+    #![proptest_config(cases(64))]
+
+    #[test]
+    fn cells_of_a_top_face_hold_their_centres(size in 0.01..100.0_f64, cells in 1..40_usize, at in 0.0..1.0_f64) {
+        let face = TopFace::new(size, cells).unwrap();
+        let index = (at * face.len() as f64) as usize;
+        let direction = face.cell_direction(index);
+        prop_assert_eq!(face.nearest(&direction), Some(index));
+        let w = face.coordinate(&(direction.into_inner() * 3.0)).unwrap();
+        prop_assert!((face.direction(&w).into_inner() - direction.into_inner()).norm() < 1e-14);
+    }
+
+    #[test]
+    fn the_concentric_square_and_the_hemisphere_are_inverse(x in -1.0..1.0_f64, y in -1.0..1.0_f64) {
+        let point = Vector2::new(x, y);
+        let disk = ConcentricSquare::to_disk(&point);
+        // Squares become circles.
+        prop_assert!((disk.norm() - point.amax()).abs() < 4.0 * EPS);
+        prop_assert!((ConcentricSquare::from_disk(&disk) - point).norm() < 8.0 * EPS);
+        let direction = ConcentricSquare::direction(&point);
+        prop_assert!((ConcentricSquare::point(&direction) - point).norm() < 1e-14);
+    }
+}
+
+/// Areas stay in proportion: a cell of the square, followed along its edges, has its share of the hemisphere's area on
+/// the disk.
+#[test]
+fn cells_of_the_concentric_square_have_equal_solid_angles() {
+    let cells = 6;
+    let line = |t: f64| 2.0 * t / cells as f64 - 1.0;
+    for (x, y) in (0..cells * cells).map(|i| ((i % cells) as f64, (i / cells) as f64)) {
+        const STEPS: usize = 400;
+        let edge = |k: usize| {
+            let (side, t) = (k / STEPS, (k % STEPS) as f64 / STEPS as f64);
+            let at = [[x + t, y], [x + 1.0, y + t], [x + 1.0 - t, y + 1.0], [x, y + 1.0 - t]][side % 4];
+            ConcentricSquare::to_disk(&Vector2::new(line(at[0]), line(at[1])))
+        };
+        let area: f64 = (0..4 * STEPS).map(|k| edge(k).perp(&edge(k + 1)) / 2.0).sum();
+        let share = 4.0 / (cells * cells) as f64 * PI / 4.0;
+        assert!((area / share - 1.0).abs() < 1e-5, "({x}, {y}): {area} against {share}");
+        assert!(
+            (area / HemisphereDisk::AREA_PER_STERADIAN * ConcentricSquare::AREA_PER_STERADIAN
+                / (4.0 / (cells * cells) as f64)
+                - 1.0)
+                .abs()
+                < 1e-5
+        );
+    }
+}
+
+#[test]
+fn the_concentric_square_at_its_corners_and_beyond() {
+    assert_eq!(ConcentricSquare::to_disk(&Vector2::zeros()), Vector2::zeros());
+    assert_eq!(ConcentricSquare::from_disk(&Vector2::zeros()), Vector2::zeros());
+    for corner in [[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [1.0, 0.0], [0.0, -1.0]] {
+        let point = Vector2::from(corner);
+        assert!(ConcentricSquare::direction(&point).z.abs() < 4.0 * EPS);
+        assert!((ConcentricSquare::point(&ConcentricSquare::direction(&point)) - point).norm() < 8.0 * EPS);
+    }
+    let nadir = ConcentricSquare::point(&Unit::new_unchecked(-Vector3::z()));
+    assert!((nadir.amax() - HemisphereDisk::NADIR_RADIUS).abs() < 4.0 * EPS);
+    assert!(ConcentricSquare::to_disk(&Vector2::new(f64::NAN, 0.5)).x.is_nan());
+}
+
+const PROJECTIONS: [DiskProjection; 3] =
+    [DiskProjection::AngularMap, DiskProjection::SphereMap, DiskProjection::DualParaboloid];
+
+proptest! {
+    #![proptest_config(cases(256))]
+
+    #[test]
+    fn disks_and_directions_are_inverse(direction in strategies::direction()) {
+        for projection in PROJECTIONS {
+            let (disk, point) = projection.point(&direction);
+            prop_assert!(disk < projection.disks() && point.norm() <= 1.0 + EPS);
+            // What is beside the one direction that is all of the rim is known to the root of the rounding there.
+            let point = point / point.norm().max(1.0);
+            let back = projection.direction(disk, &point).unwrap();
+            let near_rim = 1.0 - point.norm() < 1e-6 && projection != DiskProjection::DualParaboloid;
+            let tolerance = if near_rim { 1e-7 } else { 1e-9 };
+            prop_assert!((back.into_inner() - direction.into_inner()).norm() < tolerance, "{projection:?} {direction:?}");
+            let (_, scaled) = projection.point(&(direction.into_inner() * 1e-150));
+            prop_assert!((scaled - projection.point(&direction).1).norm() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn neighbours_of_texels_are_mutual(side in 1..40_usize, at in 0.0..1.0_f64) {
+        let grid = cube(side);
+        let texel = (at * grid.len() as f64) as usize;
+        let neighbours = grid.neighbours(texel);
+        for (k, &other) in neighbours.iter().enumerate() {
+            prop_assert!(grid.neighbours(other).contains(&texel), "side {side}, texel {texel}, {other}");
+            prop_assert!(side == 1 || !neighbours[..k].contains(&other));
+            // They touch: their centres are no farther apart than the widest texel is long, and a half.
+            let angle = grid.direction(texel).angle(&grid.direction(other));
+            prop_assert!(angle > 0.0 && angle < 3.2 / side as f64, "side {side}: {angle}");
+        }
+    }
+}
+
+#[test]
+fn disks_show_what_their_formats_say() {
+    let at = |projection: DiskProjection, d: [f64; 3]| {
+        let (disk, p) = projection.point(&Vector3::from(d));
+        (disk, [p.x, p.y])
+    };
+    let half = 0.5_f64.sqrt();
+    for (projection, d, want) in [
+        (DiskProjection::AngularMap, [0.0, 0.0, -2.0], (0, [0.0, 0.0])),
+        (DiskProjection::AngularMap, [1.0, 0.0, 0.0], (0, [0.5, 0.0])),
+        (DiskProjection::AngularMap, [0.0, -1.0, 0.0], (0, [0.0, -0.5])),
+        (DiskProjection::AngularMap, [0.0, 0.0, 1.0], (0, [1.0, 0.0])),
+        (DiskProjection::SphereMap, [0.0, 0.0, 1.0], (0, [0.0, 0.0])),
+        (DiskProjection::SphereMap, [0.0, 3.0, 0.0], (0, [0.0, half])),
+        (DiskProjection::SphereMap, [0.0, 0.0, -1.0], (0, [1.0, 0.0])),
+        (DiskProjection::DualParaboloid, [0.0, 0.0, -1.0], (0, [0.0, 0.0])),
+        (DiskProjection::DualParaboloid, [-1.0, 0.0, 0.0], (0, [-1.0, 0.0])),
+        (DiskProjection::DualParaboloid, [0.0, 0.0, 1.0], (1, [0.0, 0.0])),
+        (DiskProjection::DualParaboloid, [0.0, 1.0, 1.0], (1, [0.0, (PI / 8.0).tan()])),
+    ] {
+        let got = at(projection, d);
+        assert_eq!(got.0, want.0);
+        assert!(
+            (got.1[0] - want.1[0]).abs() + (got.1[1] - want.1[1]).abs() < 4.0 * EPS,
+            "{projection:?} {d:?}: {got:?}"
+        );
+    }
+    for projection in PROJECTIONS {
+        for beyond in [Vector2::new(1.0, 0.1), Vector2::new(f64::NAN, 0.0), Vector2::new(0.0, f64::INFINITY)] {
+            assert_eq!(projection.direction(0, &beyond), None);
+        }
+        assert_eq!(projection.direction(projection.disks(), &Vector2::zeros()), None);
+    }
+}
+
+/// A smooth light goes to a disk and comes back, the nearer the more pixels there are.
+#[test]
+fn lights_survive_the_way_over_a_disk() {
+    let light = |d: &Vector3<f64>| 2.0 + d.x - 0.5 * d.y * d.z + d.z;
+    for projection in PROJECTIONS {
+        let error = |side: usize| {
+            let map = DiskMap::from_fn(projection, side, |d| light(d)).unwrap();
+            let cube = map.to_cube(cube(16));
+            let one = |i: usize| (cube.texels()[i] - light(&cube.grid().direction(i))).abs();
+            (0..cube.grid().len()).map(one).fold(0.0_f64, f64::max)
+        };
+        let (coarse, fine) = (error(64), error(256));
+        // The rim of two of them is one direction: pixels there are long.
+        assert!(coarse < 0.2 && fine < 0.5 * coarse, "{projection:?}: {coarse} {fine}");
+        let sky = CubeMap::from_fn(cube(64), |d| light(&d));
+        let probe = DiskMap::from_cube(projection, 200, &sky).unwrap();
+        let up = probe.bilinear(&Vector3::new(0.1, 0.9, -0.2));
+        assert!((up - light(&Vector3::new(0.1, 0.9, -0.2).normalize())).abs() < 2e-3, "{projection:?}: {up}");
+        assert_eq!(probe.pixels().len(), projection.disks() * 200 * 200);
+        assert_eq!(probe.pixels()[0], 0.0);
+    }
+    for side in [0, DiskMap::<f32>::MAX_SIDE + 1] {
+        assert!(matches!(
+            DiskMap::new(DiskProjection::SphereMap, side, vec![0.0_f32; 0]),
+            Err(Error::OutOfRange { .. })
+        ));
+        assert!(DiskMap::from_fn(DiskProjection::SphereMap, side, |_| 0.0_f32).is_err());
+    }
+    let short = DiskMap::new(DiskProjection::DualParaboloid, 2, vec![0.0_f32; 4]);
+    assert!(matches!(short, Err(Error::Length { expected: 8, got: 4, .. })));
+    // One pixel shows everything; none that shows anything is beside what is asked for.
+    let one = DiskMap::new(DiskProjection::AngularMap, 1, vec![7.0_f64]).unwrap();
+    assert_eq!(one.bilinear(&Vector3::z()), 7.0);
+    let two = DiskMap::new(DiskProjection::SphereMap, 2, vec![1.0_f64, 2.0, 3.0, 4.0]).unwrap();
+    assert!((two.bilinear(&Vector3::new(-1.0, 1.0, 0.0)) - 1.0).abs() < 4.0 * EPS);
+}

@@ -2,9 +2,9 @@
 //! local direction.
 
 use haarmonic::compress::SparseMatrix;
-use haarmonic::nalgebra::{UnitVector3, Vector3};
+use haarmonic::nalgebra::{UnitVector3, Vector2, Vector3};
 use haarmonic::scene::{Mesh, VisibilityBaker, VisibilitySettings};
-use haarmonic::sphere::CubeGrid;
+use haarmonic::sphere::{ConcentricSquare, CubeGrid};
 use haarmonic::{Progress, Result};
 
 /// Side of the faces of the global light: 6 × 32 × 32 directions.
@@ -14,22 +14,11 @@ pub const LOCAL: usize = 8;
 /// Samples along a texel's edge: 2 × 2, so the levels of visibility are 0…4.
 pub const SAMPLES: usize = 2;
 
-/// The local directions: centres of a grid on the square, by Shirley and Chiu's concentric map onto the hemisphere
-/// (equal area).
+/// The local directions: centres of a grid on the concentric square (equal areas of the hemisphere).
 pub fn local_directions() -> Vec<UnitVector3<f64>> {
     let centre = |i: usize| (2 * i + 1) as f64 / LOCAL as f64 - 1.0;
-    let direction = |(x, y): (f64, f64)| {
-        let quarter = std::f64::consts::FRAC_PI_4;
-        let (radius, angle) = match () {
-            () if x.abs() > y.abs() => (x, quarter * y / x),
-            () => (y, 2.0 * quarter - quarter * x / y),
-        };
-        // ρ² = 1 − d_z is equal-area.
-        let z = 1.0 - radius * radius;
-        let across = (1.0 - z * z).sqrt().copysign(radius);
-        UnitVector3::new_normalize(Vector3::new(across * angle.cos(), across * angle.sin(), z))
-    };
-    (0..LOCAL * LOCAL).map(|i| direction((centre(i % LOCAL), centre(i / LOCAL)))).collect()
+    let point = |i: usize| Vector2::new(centre(i % LOCAL), centre(i / LOCAL));
+    (0..LOCAL * LOCAL).map(|i| ConcentricSquare::direction(&point(i))).collect()
 }
 
 /// T: a row for each vertex and local direction, a column for each texel of the global light; entry = visibility of the

@@ -43,6 +43,15 @@ pub fn solid_angle(u: [f64; 2], v: [f64; 2]) -> f64 {
     rule.integrate(v[0], v[1], |v| rule.integrate(u[0], u[1], |u| (1.0 + u * u + v * v).powf(-1.5)))
 }
 
+/// ∫∫ du dv/(1 + u² + v²)² over a rectangle of a cube face: its cosine-weighted solid angle, by Gauss–Legendre
+/// quadrature.
+///
+/// Accuracy: 1e-14 relative on the face of size 2 and its parts. Cost: 64² evaluations.
+pub fn projected_solid_angle(u: [f64; 2], v: [f64; 2]) -> f64 {
+    let rule = GaussLegendre::new(64).expect("64 points");
+    rule.integrate(v[0], v[1], |v| rule.integrate(u[0], u[1], |u| (1.0 + u * u + v * v).powi(-2)))
+}
+
 /// The mean of `f` over texel `index` of a cube map: `samples`² points, weighted by the solid angle about each.
 ///
 /// Accuracy for functions with jumps: of the order of 1/samples.

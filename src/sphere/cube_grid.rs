@@ -187,6 +187,30 @@ impl CubeGrid {
         (2 * i) as f64 / self.side as f64 - 1.0
     }
 
+    /// The four texels that share an edge with one: at its left, its right, above and below, across the edges of the
+    /// face where it lies at one.
+    ///
+    /// Every texel is a neighbour of its neighbours. Beside an edge of the cube, left and right are those of the
+    /// texel's own face: the neighbour may have them elsewhere.
+    ///
+    /// # Panics
+    /// If `index` ≥ [`len`](Self::len).
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::sphere::{CubeGrid, Face};
+    /// let grid = CubeGrid::new(8)?;
+    /// // Beyond the left edge of +X lies the right edge of +Z.
+    /// let [left, right, _, _] = grid.neighbours(grid.index(Face::PosX, 0, 3));
+    /// assert_eq!((left, right), (grid.index(Face::PosZ, 7, 3), grid.index(Face::PosX, 1, 3)));
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    #[track_caller]
+    pub fn neighbours(self, index: usize) -> [usize; 4] {
+        let (face, x, y) = self.texel(index);
+        [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|step| self.neighbour(face, x, y, step))
+    }
+
     /// The texel that touches texel (x, y) of `face` on the side of (x + step.0, y + step.1), across the face's edge if
     /// need be. One of the two steps is 0, the other ±1.
     ///

@@ -2,6 +2,8 @@
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
 mod product;
+mod sample_warp;
+mod standard;
 #[path = "../support/mod.rs"]
 mod support;
 mod transform;

@@ -9,7 +9,7 @@ use super::exr::Envmap;
 use super::{Tagged, read_tagged};
 use crate::io::report::{Loaded, Report, read_file};
 use crate::scene::EnvironmentLight;
-use crate::sphere::{CubeGrid, CubeMap, Face, LatLongGrid, LatLongMap};
+use crate::sphere::{CubeGrid, CubeMap, DiskMap, DiskProjection, Face, LatLongGrid, LatLongMap};
 use crate::{Error, Result};
 
 /// How directions lie in the picture of an environment.
@@ -113,8 +113,8 @@ fn to_light(tagged: Tagged, name: &Path, layout: EnvironmentLayout) -> Result<Lo
         EnvironmentLayout::CubeStrip => Unfolded::strip(w, h).ok_or_else(|| needs("6 : 1 or 1 : 6"))?.cube(&image),
         EnvironmentLayout::OpenExrCube if h == 6 * w => open_exr_cube(&image),
         EnvironmentLayout::OpenExrCube => return Err(needs("1 : 6")),
-        EnvironmentLayout::AngularMap if w == h => disc(&image, angular_map),
-        EnvironmentLayout::MirrorBall if w == h => disc(&image, mirror_ball),
+        EnvironmentLayout::AngularMap if w == h => disk(image, DiskProjection::AngularMap),
+        EnvironmentLayout::MirrorBall if w == h => disk(image, DiskProjection::SphereMap),
         EnvironmentLayout::AngularMap | EnvironmentLayout::MirrorBall => return Err(needs("1 : 1")),
     };
     let light = cube.and_then(EnvironmentLight::from_cube).map_err(|e| report.error("", e.to_string()))?;
@@ -230,7 +230,7 @@ fn open_exr_cube(image: &Image) -> Result<CubeMap<Vector3<f32>>> {
             if along(&d, face.1[2]) > along(&d, best.1[2]) { (face.0, *face.1) } else { best }
         });
         let place = |axis| (along(&d, axis) / along(&d, out) + 1.0) / 2.0 * (side - 1) as f64;
-        bilinear(image, [place(right), place(down)], [side, side], face * side, |_, _| true)
+        bilinear(image, [place(right), place(down)], side, face * side)
     }))
 }
 
@@ -238,66 +238,26 @@ fn along(direction: &Vector3<f64>, axis: [f64; 3]) -> f64 {
     direction.dot(&Vector3::from(axis))
 }
 
-/// The cube map of a picture of which a disc is used: `place` gives the point of the unit disc, x to the right and y
-/// up, that shows a direction.
+/// The cube map of a picture of which a disk is used.
 ///
 /// Half as many texels along a face as pixels along the picture: in the middle of a face these are denser than the
-/// pixels in the middle of either kind of disc, 4/n radians for 2π/n and 4/n.
-fn disc(image: &Image, place: fn(&Vector3<f64>) -> [f64; 2]) -> Result<CubeMap<Vector3<f32>>> {
-    let n = image.width();
-    let grid = CubeGrid::new(n.div_ceil(2))?;
-    let centre = |i: usize| (2 * i + 1) as f64 / n as f64 - 1.0;
-    // What is outside shows nothing, and is mostly black.
-    let shows = |x: usize, y: usize| centre(x).hypot(centre(y)) <= 1.0;
-    Ok(CubeMap::from_fn(grid, |d| {
-        let [u, v] = place(&d);
-        let at = |u: f64| (u + 1.0) / 2.0 * n as f64 - 0.5;
-        bilinear(image, [at(u), at(-v)], [n, n], 0, shows)
-    }))
+/// pixels in the middle of either kind of disk, 4/n radians for 2π/n and 4/n.
+fn disk(image: Image, projection: DiskProjection) -> Result<CubeMap<Vector3<f32>>> {
+    let side = image.width();
+    Ok(DiskMap::new(projection, side, image.into_pixels())?.to_cube(CubeGrid::new(side.div_ceil(2))?))
 }
 
-fn angular_map(direction: &Vector3<f64>) -> [f64; 2] {
-    let across = direction.x.hypot(direction.y);
-    let radius = across.atan2(-direction.z) / std::f64::consts::PI;
-    if across == 0.0 { [radius, 0.0] } else { [radius * direction.x / across, radius * direction.y / across] }
-}
-
-fn mirror_ball(direction: &Vector3<f64>) -> [f64; 2] {
-    // The normal is half-way between the direction and that of the camera, +z.
-    let normal = direction.normalize() + Vector3::z();
-    let length = normal.norm();
-    if length == 0.0 { [1.0, 0.0] } else { [normal.x / length, normal.y / length] }
-}
-
-/// Bilinear interpolation at a place in pixels (their centres are whole numbers) of a box of `size` from row `top` on,
-/// between those pixels that show something; if none of the four does, the one nearest to the middle.
-fn bilinear(
-    image: &Image,
-    place: [f64; 2],
-    size: [usize; 2],
-    top: usize,
-    shows: impl Fn(usize, usize) -> bool,
-) -> Vector3<f32> {
-    let [x, y] = [0, 1].map(|i| place[i].clamp(0.0, (size[i] - 1) as f64));
+/// Bilinear interpolation at a place in pixels (their centres are whole numbers) of the square of `side` pixels from
+/// row `top` on.
+fn bilinear(image: &Image, place: [f64; 2], side: usize, top: usize) -> Vector3<f32> {
+    let [x, y] = place.map(|p| p.clamp(0.0, (side - 1) as f64));
     let (x0, y0) = (x as usize, y as usize);
-    let (x1, y1) = ((x0 + 1).min(size[0] - 1), (y0 + 1).min(size[1] - 1));
+    let (x1, y1) = ((x0 + 1).min(side - 1), (y0 + 1).min(side - 1));
     let (s, t) = (x - x0 as f64, y - y0 as f64);
-    let mut sum = Vector3::<f64>::zeros();
-    let mut weights = 0.0;
-    for (x, y, weight) in
-        [(x0, y0, (1.0 - s) * (1.0 - t)), (x1, y0, s * (1.0 - t)), (x0, y1, (1.0 - s) * t), (x1, y1, s * t)]
-    {
-        if weight > 0.0 && shows(x, y) {
-            sum += weight * image.pixel(x, top + y).cast::<f64>();
-            weights += weight;
-        }
-    }
-    if weights == 0.0 {
-        let inwards = |i: usize, n: usize, j: usize| if 2 * i < n { j } else { i };
-        return image.pixel(inwards(x0, size[0], x1), top + inwards(y0, size[1], y1));
-    }
+    let at = |x: usize, y: usize| image.pixel(x, top + y).cast::<f64>();
+    let row = |y: usize| at(x0, y) * (1.0 - s) + at(x1, y) * s;
     // A mean of finite numbers is not beyond the largest of them, but for rounding.
-    (sum / weights).map(|c| c.min(f64::from(f32::MAX)) as f32)
+    (row(y0) * (1.0 - t) + row(y1) * t).map(|c| c.min(f64::from(f32::MAX)) as f32)
 }
 
 impl TryFrom<Image> for LatLongMap<Vector3<f32>> {
