@@ -1,15 +1,22 @@
-//! Visibility of one vertex at 64² texels a face: rays a second on the built-in scenes of 100,000 vertices.
+//! Visibility of one vertex: rays a second on the built-in scenes of 100,000 vertices, 64² texels a face unless said
+//! otherwise.
 //!
+//! `local-cube`: the same texels in the vertex's frame. `faces-32`, `disk-32`, `top-face-32`: maps of fewer rays, which
+//! share what it costs to walk the scene: 6 · 32², the disk's cells, and 32² cells of a plane of size 4.
 //! `faces`: the baker, which traces a face of the cube at once. `ray`: the crate's single rays, one a texel above the
 //! horizon. `obvhs-cwbvh`: the peer's eight-wide hierarchy with its own triangle test, any hit.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Duration;
 
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haarmonic::nalgebra::Vector3;
-use haarmonic::scene::{Model, Procedural, VisibilityBaker, VisibilitySettings};
-use haarmonic::sphere::CubeGrid;
+use haarmonic::scene::{
+    Directions, Model, Procedural, Viewpoint, VisibilityBaker, VisibilitySettings, VisibilityTracer,
+};
+use haarmonic::sphere::{CubeGrid, TopFace};
 use obvhs::BvhBuildParams;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::Ray;
@@ -29,6 +36,40 @@ fn rays(model: &Model, baker: &VisibilityBaker) -> Vec<(Vector3<f64>, Vec<Vector
         (baker.origin(v), above)
     };
     sample(baker.vertices()).into_iter().map(one).collect()
+}
+
+/// Other maps at the same vertices, in their frames.
+fn maps(group: &mut BenchmarkGroup<'_, WallTime>, model: &Model, baker: &VisibilityBaker, scene: &str) {
+    let settings = VisibilitySettings::default();
+    let views = Viewpoint::of_vertices(&model.mesh, settings.offset).unwrap();
+    let occluders = Arc::clone(baker.tracer().occluders());
+    let cube = |side: usize| Directions::cube(CubeGrid::new(side).unwrap());
+    let face = TopFace::new(4.0, 32).unwrap();
+    let kinds = [
+        ("local-cube", cube(64), true),
+        ("faces-32", cube(32), false),
+        ("disk-32", Directions::disk(32).unwrap(), true),
+        ("top-face-32", Directions::top_face(face), true),
+    ];
+    for (name, directions, is_local) in kinds {
+        let tracer = VisibilityTracer::new(Arc::clone(&occluders), directions);
+        let (mut words, mut scratch) = (vec![0; tracer.directions().words()], tracer.scratch());
+        let view = |v: usize| match is_local {
+            true => views[v].with_frame(model.mesh.local_frame(v)).unwrap(),
+            false => views[v],
+        };
+        let views: Vec<Viewpoint> = sample(baker.vertices()).into_iter().map(view).collect();
+        let count: u64 = views.iter().map(|view| tracer.trace(view, &mut words, &mut scratch)).sum();
+        group.throughput(Throughput::Elements(count));
+        group.bench_function(BenchmarkId::new(name, scene), |b| {
+            b.iter(|| {
+                for view in &views {
+                    tracer.trace(view, &mut words, &mut scratch);
+                    black_box(&words);
+                }
+            });
+        });
+    }
 }
 
 fn visibility(c: &mut Criterion) {
@@ -52,6 +93,8 @@ fn visibility(c: &mut Criterion) {
                 }
             });
         });
+        maps(&mut group, &model, &baker, scene.name());
+        group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("ray", scene.name()), |b| {
             b.iter(|| {
                 let hits = |(origin, directions): &(Vector3<f64>, Vec<Vector3<f64>>)| {

@@ -5,6 +5,7 @@
 //! | you have | use |
 //! |---|---|
 //! | a number of things to make | [`map`], [`try_map`] |
+//! | a number of things to do | [`try_each`] |
 //! | a slice to fill, an element or a row at a time | [`fill`], [`rows`] |
 //! | a slice to fill, a chunk at a time | [`chunks`], [`try_chunks`] |
 //! | the same, with scratch that outlives the loop | [`pieces`], [`with_scratch`] |
@@ -51,6 +52,23 @@ pub(crate) fn try_map<R: Send, S>(
     {
         let mut scratch = scratch();
         (0..count).map(|i| f(i, &mut scratch)).collect()
+    }
+}
+
+/// Calls f(0), f(1), … f(count − 1), with scratch that each thread makes for itself. One of the errors, if there are
+/// several.
+#[allow(dead_code, reason = "for those features that ask for it")]
+pub(crate) fn try_each<S>(
+    count: usize,
+    scratch: impl Fn() -> S + Sync,
+    f: impl Fn(usize, &mut S) -> Result<()> + Sync,
+) -> Result<()> {
+    #[cfg(feature = "rayon")]
+    return (0..count).into_par_iter().try_for_each_init(&scratch, |scratch, i| f(i, scratch));
+    #[cfg(not(feature = "rayon"))]
+    {
+        let mut scratch = scratch();
+        (0..count).try_for_each(|i| f(i, &mut scratch))
     }
 }
 

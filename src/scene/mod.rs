@@ -3,7 +3,6 @@
 mod brdf;
 mod bvh;
 mod camera;
-mod ground_truth;
 mod light;
 mod material;
 mod mesh;
@@ -11,6 +10,7 @@ mod metrics;
 mod picture;
 mod procedural;
 mod tone_map;
+mod truth;
 mod view;
 mod visibility;
 
@@ -22,15 +22,19 @@ pub use brdf::{
 pub(crate) use brdf::{Axes, Kernel, KernelVisitor, Shape, narrow};
 pub use bvh::{Bvh, Hit};
 pub use camera::Camera;
-pub use ground_truth::{GroundTruth, TexelVisibility};
-pub use light::{EnvironmentLight, EnvironmentSource, Sky, SoftBox, Sun};
+pub use light::{
+    EnvironmentLight, EnvironmentSource, LightField, LightSample, LocalLight, RectangleLight, Sky, SoftBox,
+    SphereLight, SpotLight, Sun,
+};
 pub use material::Materials;
 pub use mesh::{Bounds, LocalFrame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
 pub use picture::Picture;
 pub use procedural::{Model, Procedural};
 pub use tone_map::{ToneMap, linear_to_srgb, srgb_to_linear};
+pub use truth::{Convergence, Fog, GroundTruth, Interreflection, LocalTruth, Outgoing, Phase, TexelVisibility};
 pub use view::View;
 pub use visibility::{
-    BackFaces, BinaryVisibility, FractionalVisibility, VisibilityBaker, VisibilityScratch, VisibilitySettings,
+    BackFaces, BinaryVisibility, Directions, FractionalVisibility, Occluders, Viewpoint, VisibilityBaker,
+    VisibilityScratch, VisibilitySettings, VisibilityTracer,
 };

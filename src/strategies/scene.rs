@@ -5,7 +5,11 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-use crate::scene::{AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Mesh, Phong, Procedural, Sum, Ward};
+use crate::scene::{
+    AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Directions, Lambert, LocalFrame, Mesh, Phong, Procedural, Sum,
+    Viewpoint, Ward,
+};
+use crate::sphere::{CubeGrid, TopFace};
 
 /// A mesh of up to `faces` faces between random points: crossing, double and degenerate ones included.
 ///
@@ -21,6 +25,42 @@ pub fn triangle_soup(faces: usize) -> impl Strategy<Value = Mesh> {
         let faces = picks.into_iter().map(|face| face.map(|i| i.index(n) as u32)).collect();
         Mesh::new(positions, faces).expect("finite positions and indices in range")
     })
+}
+
+/// A frame in any orientation.
+pub fn local_frame() -> impl Strategy<Value = LocalFrame> {
+    (super::sphere::direction(), 0.0..std::f64::consts::TAU).prop_map(|(normal, angle)| {
+        let frame = LocalFrame::around(&normal);
+        let (s, c) = (angle.sin() as f32, angle.cos() as f32);
+        let tangent = frame.tangent * c + frame.bitangent * s;
+        LocalFrame { tangent, bitangent: frame.normal.cross(&tangent), normal: frame.normal }
+    })
+}
+
+/// A viewpoint within [−2, 2]³, with and without a frame, with and without a horizon: a normal of its own or that of
+/// its frame.
+pub fn viewpoint() -> impl Strategy<Value = Viewpoint> {
+    let position = prop::array::uniform3(-2.0..2.0_f64).prop_map(Vector3::from);
+    let horizon = prop_oneof![Just(None), super::sphere::direction().prop_map(Some)];
+    (position, prop::option::of(local_frame()), horizon, any::<bool>()).prop_map(|(position, frame, horizon, own)| {
+        let at = Viewpoint::new(position).expect("finite");
+        let at = frame.map_or(at, |frame| at.with_frame(frame).expect("orthonormal"));
+        let horizon = frame.filter(|_| own).map(|frame| frame.normal.cast()).or(horizon.map(|n| n.into_inner()));
+        horizon.map_or(at, |normal| at.with_horizon(normal).expect("finite"))
+    })
+}
+
+/// Directions of any kind: cubes, disks, squares, top faces, lists; 1 to 300 elements.
+pub fn directions() -> impl Strategy<Value = Directions> {
+    let list = prop::collection::vec(super::sphere::direction(), 1..100);
+    prop_oneof![
+        (1..8_usize).prop_map(|side| Directions::cube(CubeGrid::new(side).expect("in range"))),
+        (1..17_usize).prop_map(|cells| Directions::disk(cells).expect("in range")),
+        (1..17_usize).prop_map(|cells| Directions::square(cells).expect("in range")),
+        (0.1..12.0_f64, 1..17_usize)
+            .prop_map(|(size, cells)| Directions::top_face(TopFace::new(size, cells).expect("in range"))),
+        list.prop_map(|list| Directions::list(list).expect("finite and not empty")),
+    ]
 }
 
 /// Any of the built-in scenes.

@@ -10,3 +10,4 @@ mod light;
 #[path = "../support/mod.rs"]
 mod support;
 mod visibility;
+mod visibility_anywhere;

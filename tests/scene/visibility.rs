@@ -85,7 +85,7 @@ fn sphere(centre: V, radius: f32, n: u32) -> Mesh {
 /// How near a ray passes by the plane through its origin and an edge of any face, in units of what `f32` may confuse.
 ///
 /// That is 20 roundings of the terms of the edge function (12 of widening, 8 of error). Positions are not rounded.
-fn nearest_edge(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>) -> f64 {
+pub fn nearest_edge(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>) -> f64 {
     let u = f64::from(f32::EPSILON) * 0.5;
     let direction = direction / direction.amax();
     let mut nearest = f64::INFINITY;

@@ -4,4 +4,4 @@ pub mod brdf;
 pub mod ground_truth;
 mod visibility;
 
-pub use visibility::{closest_hit, occluded, sees};
+pub use visibility::{closest_hit, is_free, occluded, sees};

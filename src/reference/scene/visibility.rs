@@ -1,8 +1,8 @@
 //! Every triangle against every ray, in `f64`.
 
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::scene::{BackFaces, Mesh};
+use crate::scene::{BackFaces, Mesh, Viewpoint};
 
 /// The face that a ray meets first and its distance in units of the direction's length; [Möller and Trumbore 1997].
 ///
@@ -36,6 +36,24 @@ pub fn closest_hit(
 /// Whether a ray meets any face.
 pub fn occluded(mesh: &Mesh, origin: &Vector3<f64>, direction: &Vector3<f64>, back_faces: BackFaces) -> bool {
     closest_hit(mesh, origin, direction, back_faces).is_some()
+}
+
+/// Whether a viewpoint sees one of its local directions past objects that stand at poses: above its horizon, and met by
+/// no face.
+///
+/// Rays start at the position itself, in `f64`.
+pub fn is_free(
+    objects: &[(&Mesh, Isometry3<f64>)],
+    viewpoint: &Viewpoint,
+    direction: &Vector3<f64>,
+    back_faces: BackFaces,
+) -> bool {
+    let world = viewpoint.frame().map_or(*direction, |frame| frame.to_world(direction));
+    viewpoint.horizon().is_none_or(|normal| normal.dot(&world) > 0.0)
+        && objects.iter().all(|(mesh, pose)| {
+            let origin = pose.inverse_transform_point(&Point3::from(viewpoint.position())).coords;
+            !occluded(mesh, &origin, &pose.inverse_transform_vector(&world), back_faces)
+        })
 }
 
 /// Whether a vertex sees a direction, for rays that start infinitely near it: the limit that an offset from the surface

@@ -165,6 +165,20 @@ impl Bvh {
         met
     }
 
+    /// Whether a ray meets any face before a distance, in units of the direction's length.
+    ///
+    /// As [`any_hit`](Self::any_hit) for an infinite one; a distance of NaN, 0 or less meets nothing.
+    pub fn any_hit_within(&self, origin: &Vector3<f64>, direction: &Vector3<f64>, distance: f64) -> bool {
+        let Some(ray) = self.ray(origin, direction) else { return false };
+        let end = distance * self.scale * direction.amax();
+        let mut met = false;
+        ray.walk(&self.nodes, |mut faces| {
+            met = faces.any(|i| ray.intersect(&self.triangles[i]).is_some_and(|meeting| meeting.distance < end));
+            if met { -1.0 } else { end }
+        });
+        met
+    }
+
     /// The ray in the tree's scale; None if it is none.
     fn ray(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<Ray> {
         Ray::new((origin * self.scale).into(), (*direction).into())

@@ -1,10 +1,12 @@
-//! Distant light: an environment map or a procedural sky, turned as the user likes.
+//! Light: distant (an environment map or a procedural sky, turned as the user likes) and at a place.
 
+mod local;
 mod sky;
 mod sun;
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+pub use local::{LightField, LightSample, LocalLight, RectangleLight, SphereLight, SpotLight};
 pub use sky::{Sky, SoftBox};
 pub use sun::Sun;
 

@@ -4,17 +4,15 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::fractional::check_samples;
-use super::live::LiveRays;
-use super::origin::origins;
-use super::trace::{TraceFace, View, Waiting, centre, occluded};
+use super::directions::Directions;
+use super::occluders::Occluders;
+use super::tracer::{VisibilityScratch, VisibilityTracer};
+use super::viewpoint::Viewpoint;
 use super::{BinaryVisibility, FractionalVisibility};
 use crate::error::check_length;
-use crate::parallel::{self, Watch};
-use crate::scene::bvh::FARTHEST_ORIGIN;
 use crate::scene::{Bvh, Mesh};
-use crate::sphere::{CubeGrid, Face};
-use crate::{Error, Progress, Result};
+use crate::sphere::CubeGrid;
+use crate::{Progress, Result};
 
 /// Whether a face stops light that comes from behind it.
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -105,28 +103,9 @@ impl VisibilitySettings {
 /// ```
 #[derive(Debug, Clone)]
 pub struct VisibilityBaker {
-    scene: Arc<Scene>,
+    tracer: VisibilityTracer,
     grid: CubeGrid,
-    centres: Vec<f64>,
-    centres_f32: Vec<f32>,
-    arch: pulp::Arch,
-}
-
-/// What does not depend on the grid.
-#[derive(Debug)]
-struct Scene {
-    bvh: Bvh,
-    /// In the scale of the hierarchy.
-    origins: Vec<[f32; 3]>,
-    normals: Vec<Vector3<f32>>,
-    back_faces: BackFaces,
-}
-
-/// Work space of one thread for [`VisibilityBaker::bake_vertex`].
-#[derive(Debug, Clone)]
-pub struct VisibilityScratch {
-    live: LiveRays,
-    stack: Vec<Waiting>,
+    viewpoints: Arc<[Viewpoint]>,
 }
 
 impl VisibilityBaker {
@@ -135,27 +114,23 @@ impl VisibilityBaker {
     /// Cost: about 1 µs a face.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless 0 ≤ `settings.offset` ≤ 1.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless 0 ≤ `settings.offset` ≤ 1.
     pub fn new(mesh: &Mesh, grid: CubeGrid, settings: VisibilitySettings) -> Result<Self> {
-        if !(0.0..=1.0).contains(&settings.offset) {
-            return Err(Error::OutOfRange { what: "visibility offset", got: settings.offset, allowed: "in [0, 1]" });
-        }
-        let bvh = Bvh::new(mesh);
-        let origins = origins(mesh, bvh.scale(), settings.offset);
-        let scene = Scene { bvh, origins, normals: mesh.normals().to_vec(), back_faces: settings.back_faces };
-        Ok(Self::on(Arc::new(scene), grid))
+        let viewpoints = Viewpoint::of_vertices(mesh, settings.offset)?;
+        let occluders = Occluders::of_mesh(mesh).with_back_faces(settings.back_faces);
+        let tracer = VisibilityTracer::new(occluders, Directions::cube(grid));
+        Ok(Self { tracer, grid, viewpoints: viewpoints.into() })
     }
 
     /// The same plan on another grid; the hierarchy is shared, not built again.
     #[must_use]
     pub fn with_grid(&self, grid: CubeGrid) -> Self {
-        Self::on(Arc::clone(&self.scene), grid)
+        self.with_directions(grid, Directions::cube(grid))
     }
 
-    fn on(scene: Arc<Scene>, grid: CubeGrid) -> Self {
-        let centres: Vec<f64> = (0..grid.side()).map(|i| grid.centre(i)).collect();
-        let centres_f32 = (0..grid.side()).map(|i| centre(grid.side(), i)).collect();
-        Self { scene, grid, centres, centres_f32, arch: pulp::Arch::new() }
+    fn with_directions(&self, grid: CubeGrid, directions: Directions) -> Self {
+        let tracer = VisibilityTracer::new(Arc::clone(self.tracer.occluders()), directions);
+        Self { tracer, grid, viewpoints: Arc::clone(&self.viewpoints) }
     }
 
     /// The grid of the maps.
@@ -165,12 +140,17 @@ impl VisibilityBaker {
 
     /// How many vertices there are.
     pub fn vertices(&self) -> usize {
-        self.scene.origins.len()
+        self.viewpoints.len()
     }
 
     /// The hierarchy over the mesh, for other rays.
     pub fn bvh(&self) -> &Bvh {
-        &self.scene.bvh
+        self.tracer.occluders().bvh(0)
+    }
+
+    /// What does the work, for other maps against the same mesh.
+    pub fn tracer(&self) -> &VisibilityTracer {
+        &self.tracer
     }
 
     /// Where the rays of a vertex start, in the world.
@@ -179,20 +159,18 @@ impl VisibilityBaker {
     /// If `vertex` is out of range.
     #[track_caller]
     pub fn origin(&self, vertex: usize) -> Vector3<f64> {
-        Vector3::from(self.scene.origins[vertex]).cast() / self.scene.bvh.scale()
+        let scale = self.bvh().scale();
+        (self.viewpoints[vertex].position() * scale).map(|c| f64::from(c as f32)) / scale
     }
 
     /// Work space for one thread.
     pub fn scratch(&self) -> VisibilityScratch {
-        VisibilityScratch {
-            live: LiveRays::new(self.grid.side()),
-            stack: Vec::with_capacity(self.scene.bvh.stack_len()),
-        }
+        self.tracer.scratch()
     }
 
     /// Words of one vertex in the layout of [`BinaryVisibility`].
     pub fn words_per_vertex(&self) -> usize {
-        6 * BinaryVisibility::words_per_face(self.grid)
+        self.tracer.directions().words()
     }
 
     /// The visibility of one vertex, into the caller's words (whatever they held before).
@@ -205,34 +183,7 @@ impl VisibilityBaker {
     #[track_caller]
     pub fn bake_vertex(&self, vertex: usize, words: &mut [u64], scratch: &mut VisibilityScratch) -> u64 {
         check_length("visibility words of a vertex", self.words_per_vertex(), words.len());
-        words.fill(0);
-        let per_face = BinaryVisibility::words_per_face(self.grid);
-        self.trace(vertex, scratch, |face, live| live.pack(&mut words[face * per_face..][..per_face]))
-    }
-
-    /// Traces the six faces of a vertex and hands over those with a ray above the horizon.
-    fn trace(&self, vertex: usize, scratch: &mut VisibilityScratch, mut done: impl FnMut(usize, &LiveRays)) -> u64 {
-        let scene = &*self.scene;
-        let (origin, normal) = (scene.origins[vertex], scene.normals[vertex].cast::<f64>());
-        // Seen from so far away the mesh is smaller than any texel.
-        let far = !origin.iter().all(|c| c.abs() < FARTHEST_ORIGIN);
-        let VisibilityScratch { live, stack } = scratch;
-        check_length("side of the scratch's grid", self.grid.side(), live.side());
-        let mut rays = 0;
-        for face in Face::ALL {
-            let normal = face.axes().map(|axis| Vector3::from(axis).dot(&normal));
-            let above = live.keep_above(normal, &self.centres);
-            if above == 0 {
-                continue;
-            }
-            rays += above;
-            if !far {
-                let view = View::new(face, origin, self.grid.side(), scene.back_faces);
-                self.arch.dispatch(TraceFace { bvh: &scene.bvh, view, live, centres: &self.centres_f32, stack });
-            }
-            done(face as usize, live);
-        }
-        rays
+        self.tracer.trace(&self.viewpoints[vertex], words, scratch)
     }
 
     /// One texel of one vertex by testing every face of the mesh: the same bit as the fast path, slowly.
@@ -241,17 +192,7 @@ impl VisibilityBaker {
     /// If `vertex` or `texel` is out of range.
     #[track_caller]
     pub fn sees_brute_force(&self, vertex: usize, texel: usize) -> bool {
-        let (face, x, y) = self.grid.texel(texel);
-        let direction = face.point(self.centres[x], self.centres[y]);
-        if self.scene.normals[vertex].cast::<f64>().dot(&direction) <= 0.0 {
-            return false;
-        }
-        let origin = self.scene.origins[vertex];
-        if !origin.iter().all(|c| c.abs() < FARTHEST_ORIGIN) {
-            return true;
-        }
-        let view = View::new(face, origin, self.grid.side(), self.scene.back_faces);
-        !occluded(&self.scene.bvh, &view, x, y, &self.centres_f32)
+        self.tracer.sees_brute_force(&self.viewpoints[vertex], texel)
     }
 
     /// The visibility of all vertices, in parallel.
@@ -259,13 +200,10 @@ impl VisibilityBaker {
     /// `progress` counts vertices.
     ///
     /// # Errors
-    /// [`Error::Cancelled`] if `progress` asked to stop, [`Error::OutOfRange`] if the result does not fit in memory.
+    /// [`Error::Cancelled`](crate::Error::Cancelled) if `progress` asked to stop,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) if the result does not fit in memory.
     pub fn bake(&self, progress: &dyn Progress) -> Result<BinaryVisibility> {
-        let per_vertex = self.words_per_vertex();
-        let words = self.fill(per_vertex, progress, |vertex, words, scratch| {
-            self.bake_vertex(vertex, words, scratch);
-        })?;
-        Ok(BinaryVisibility::from_parts(self.grid, words))
+        Ok(BinaryVisibility::from_parts(self.grid, self.tracer.trace_batch(&self.viewpoints, progress)?))
     }
 
     /// The visibility of all vertices with `samples` × `samples` rays a texel, in parallel.
@@ -273,53 +211,11 @@ impl VisibilityBaker {
     /// `progress` counts vertices. Cost: that of binary visibility at `samples` times the side.
     ///
     /// # Errors
-    /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`] unless 1 ≤ `samples` ≤ 15 and the side times `samples`
-    /// is at most [`CubeGrid::MAX_SIDE`].
+    /// Those of [`bake`](Self::bake), and [`Error::OutOfRange`](crate::Error::OutOfRange) unless 1 ≤ `samples` ≤ 15 and
+    /// the side times `samples` is at most [`CubeGrid::MAX_SIDE`].
     pub fn bake_fractional(&self, samples: usize, progress: &dyn Progress) -> Result<FractionalVisibility> {
-        check_samples(samples)?;
-        let fine = self.with_grid(CubeGrid::new(self.grid.side() * samples)?);
-        let counts = fine.fill(self.grid.len(), progress, |vertex, counts, scratch| {
-            let per_face = self.grid.face_len();
-            fine.trace(vertex, scratch, |face, live| live.count(samples, &mut counts[face * per_face..][..per_face]));
-        })?;
+        let fine = self.with_directions(self.grid, Directions::cube(self.grid).with_samples(samples)?);
+        let counts = fine.tracer.count_batch(&fine.viewpoints, progress)?;
         Ok(FractionalVisibility::from_parts(self.grid, samples, counts))
-    }
-
-    /// Runs `one` for every vertex on its `per_vertex` elements of one zeroed list.
-    fn fill<T: Copy + Default + Send>(
-        &self,
-        per_vertex: usize,
-        progress: &dyn Progress,
-        one: impl Fn(usize, &mut [T], &mut VisibilityScratch) + Sync,
-    ) -> Result<Vec<T>> {
-        let vertices = self.vertices();
-        let mut all = Vec::new();
-        let too_large = || Error::OutOfRange {
-            what: "bytes of visibility",
-            got: vertices as f64 * per_vertex as f64 * size_of::<T>() as f64,
-            allowed: "what fits in memory",
-        };
-        let len = vertices.checked_mul(per_vertex).ok_or_else(too_large)?;
-        all.try_reserve_exact(len).map_err(|_| too_large())?;
-        all.resize(len, T::default());
-        // A few hundred pieces: enough to balance threads, few enough to report each.
-        let piece = vertices.div_ceil(256);
-        let watch = Watch::new(progress, vertices);
-        parallel::try_chunks(
-            &mut all,
-            piece * per_vertex,
-            || self.scratch(),
-            |index, part, scratch| {
-                for (k, values) in part.chunks_exact_mut(per_vertex).enumerate() {
-                    if k % 8 == 0 {
-                        watch.check()?;
-                    }
-                    one(index * piece + k, values, scratch);
-                }
-                watch.advance(part.len() / per_vertex);
-                Ok(())
-            },
-        )?;
-        Ok(all)
     }
 }

@@ -62,6 +62,16 @@ impl<S: Simd> Reg<S> {
     }
 
     #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        Self(self.0, self.0.sqrt_f32s(self.1))
+    }
+
+    #[inline(always)]
+    pub(super) fn less_or_equal(self, other: Self) -> Mask<S> {
+        Mask(self.0, self.0.less_than_or_equal_f32s(self.1, other.1))
+    }
+
+    #[inline(always)]
     pub(super) fn less(self, other: Self) -> Mask<S> {
         Mask(self.0, self.0.less_than_f32s(self.1, other.1))
     }

@@ -1,6 +1,6 @@
-//! The rays of one cube face that have met nothing yet.
+//! The rays, or the cells with rays, of one patch that have met nothing yet.
 
-/// One bit a texel of a `side`² face, rows padded to whole words.
+/// One bit a cell of a patch of `side`² cells, rows padded to whole words.
 #[derive(Debug, Clone, Default)]
 pub(super) struct LiveRays {
     side: usize,
@@ -16,6 +16,24 @@ impl LiveRays {
 
     pub(super) fn side(&self) -> usize {
         self.side
+    }
+
+    /// Nothing lives.
+    pub(super) fn clear(&mut self) {
+        self.rows.fill(0);
+    }
+
+    /// The cell x of row y lives.
+    pub(super) fn revive(&mut self, y: usize, x: usize) {
+        self.rows[y * self.stride + x / 64] |= 1 << (x % 64);
+    }
+
+    /// Everything lives. Returns how many cells there are.
+    pub(super) fn keep_all(&mut self) -> u64 {
+        for row in self.rows.chunks_exact_mut(self.stride) {
+            row.iter_mut().enumerate().for_each(|(w, word)| *word = run(0, self.side, w));
+        }
+        (self.side * self.side) as u64
     }
 
     /// Keeps the texels whose centre is above the plane of `normal` (components along the face's right, down and

@@ -4,11 +4,10 @@ use nalgebra::Vector3;
 
 use crate::scene::Mesh;
 
-/// Where the rays of every vertex start, times `scale`.
+/// Where the rays of every vertex start.
 ///
-/// The start is v + δ(n + t), rounded to `f32`: n the shading normal, t of [`inward`]. δ has to be above what two
-/// things may displace:
-///
+/// The start is v + δ(n + t), which is rounded to `f32` where it is used: n the shading normal, t of
+/// [`Around::inward`]. δ has to be above what two things may displace:
 /// - The rounding of the start, and that of v and of what touches it there, which the file's or modeller's coordinates
 ///   have gone through. Each moves by at most u|vᵢ| along axis i, u = 2⁻²⁴, so along n and t by no more than r = u Σᵢ
 ///   (|nᵢ| + |tᵢ|)|vᵢ|. An axis along which nothing is moved does not count: a floor y = 0 has r = 0 however far from
@@ -19,20 +18,19 @@ use crate::scene::Mesh;
 ///
 /// The size is that of the shortest edge from v: a vertex of a small body may be the corner of a large face, never the
 /// other way round.
-pub(super) fn origins(mesh: &Mesh, scale: f64, offset: f64) -> Vec<[f32; 3]> {
+pub(super) fn starts(mesh: &Mesh, offset: f64) -> impl Iterator<Item = Vector3<f64>> {
     const MARGIN: f64 = 4.0;
     const UNIT_ROUNDOFF: f64 = 0.5 * f32::EPSILON as f64;
     let around = around(mesh);
-    let start = |vertex: usize| {
+    let start = move |(vertex, Around { inward, shortest, .. }): (usize, Around)| {
         let normal = mesh.normals()[vertex].cast::<f64>();
-        let position = mesh.positions()[vertex].cast::<f64>() * scale;
-        let Around { inward, shortest, .. } = around[vertex];
+        let position = mesh.positions()[vertex].cast::<f64>();
         let rounding = UNIT_ROUNDOFF * (normal.abs() + inward.abs()).dot(&position.abs());
-        let size = if shortest.is_finite() { shortest * scale } else { 0.0 };
+        let size = if shortest.is_finite() { shortest } else { 0.0 };
         let delta = (offset * size).max(MARGIN * rounding);
-        (position + (normal + inward) * delta).cast::<f32>().into()
+        position + (normal + inward) * delta
     };
-    (0..mesh.positions().len()).map(start).collect()
+    around.into_iter().enumerate().map(start)
 }
 
 /// The faces around a vertex.

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::brdf::Axes;
-use super::{BinaryVisibility, Brdf, Materials, Mesh, View};
 use crate::parallel::Watch;
+use crate::scene::brdf::Axes;
+use crate::scene::{BinaryVisibility, Brdf, Materials, Mesh, View};
 use crate::sphere::{CubeGrid, CubeMap, Face};
 use crate::{Error, Progress, Result, parallel};
 
@@ -143,7 +143,7 @@ impl GroundTruth<'_> {
         visibility: &TexelVisibility,
         scratch: &mut Scratch,
     ) -> Result<Vector3<f64>> {
-        let shading = Shading::new(self, vertex);
+        let shading = Shading::new(self.mesh, self.materials, self.view, vertex);
         if shading.wo.z <= 0.0 {
             return Ok(Vector3::zeros());
         }
@@ -206,18 +206,28 @@ impl Texels {
 }
 
 /// A vertex's BRDF, frame and local direction to the viewer.
-struct Shading<'a> {
-    brdf: &'a dyn Brdf,
-    axes: Axes,
-    wo: Vector3<f64>,
+pub(super) struct Shading<'a> {
+    pub(super) brdf: &'a dyn Brdf,
+    pub(super) axes: Axes,
+    /// Local.
+    pub(super) wo: Vector3<f64>,
 }
 
 impl<'a> Shading<'a> {
-    fn new(truth: &GroundTruth<'a>, vertex: usize) -> Self {
-        let (brdf, frame) = (truth.materials.brdf(vertex), truth.mesh.local_frame(vertex));
+    pub(super) fn new(mesh: &Mesh, materials: &'a Materials, view: &View, vertex: usize) -> Self {
+        let (brdf, frame) = (materials.brdf(vertex), mesh.local_frame(vertex));
         let axes = Axes::new(&frame);
-        let wo = axes.to_local(&truth.view.outgoing(brdf, &truth.mesh.positions()[vertex], &frame));
+        let wo = axes.to_local(&view.outgoing(brdf, &mesh.positions()[vertex], &frame));
         Self { brdf, axes, wo }
+    }
+
+    /// The light of irradiance E from a direction of the world that is reflected to the viewer.
+    pub(super) fn reflect(&self, direction: &Vector3<f64>, irradiance: &Vector3<f64>) -> Vector3<f64> {
+        let wi = self.axes.to_local(direction);
+        if wi.z <= 0.0 {
+            return Vector3::zeros();
+        }
+        self.brdf.eval(&wi, &self.wo).component_mul(irradiance) * wi.z
     }
 
     /// The light of texel i that is reflected, without visibility.
