@@ -15,8 +15,8 @@ mod view;
 mod visibility;
 
 pub use brdf::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, Lobe, Merl,
-    MerlLookup, Phong, Structure, Sum, TabulatedBrdf, Ward,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, FactoredBrdf,
+    Lambert, Lobe, Merl, MerlLookup, OrenNayar, Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
 #[allow(unused_imports, reason = "for those back ends that ask for them")]
 pub(crate) use brdf::{Axes, Kernel, KernelVisitor, Shape, narrow};
@@ -29,8 +29,8 @@ pub use light::{
 pub use material::Materials;
 pub use mesh::{Bounds, LocalFrame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
-pub use picture::Picture;
-pub use procedural::{Model, Procedural};
+pub use picture::{Picture, PixelHit, PixelSample};
+pub use procedural::{Model, Procedural, Stage, StageObject, Staged};
 pub use tone_map::{ToneMap, linear_to_srgb, srgb_to_linear};
 pub use truth::{Convergence, Fog, GroundTruth, Interreflection, LocalTruth, Outgoing, Phase, TexelVisibility};
 pub use view::View;

@@ -4,14 +4,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::{Arc, LazyLock};
 
 use haarmonic::Error;
-use haarmonic::nalgebra::{Rotation3, Unit, Vector3};
+use haarmonic::nalgebra::{DMatrix, Rotation3, Unit, Vector2, Vector3};
 use haarmonic::reference::scene::brdf as twin;
 use haarmonic::reference::scene::brdf::{Angles, Lobe};
 use haarmonic::scene::{
-    AshikhminShirley, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, Lambert, LocalFrame, Merl,
-    MerlLookup, Phong, Sum, Ward,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, FactoredBrdf,
+    Lambert, LocalFrame, Merl, MerlLookup, OrenNayar, Phong, Sum, Ward,
 };
-use haarmonic::sphere::CubeGrid;
+use haarmonic::sphere::{ConcentricSquare, CubeGrid};
 use haarmonic::strategies;
 use proptest::prelude::*;
 
@@ -71,6 +71,20 @@ static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
         let ggx = CookTorrance::new([1.0; 3], x, y).unwrap();
         let t = move |a| twin::cook_torrance(1.0, x, y, a);
         all.push(case(format!("ggx white {x} {y}"), ggx, Lobe::Half, 1.0, sharp, t));
+    }
+    for m in [0.02, 0.1, 0.3, 1.0] {
+        let sharp = 1.0 + 1.0 / m;
+        for f0 in [0.6, 1.0] {
+            let model = Beckmann::new([f0; 3], m).unwrap();
+            let t = move |a| twin::beckmann(f0, m, a);
+            all.push(case(format!("beckmann {m} {f0}"), model, Lobe::Half, 1.0, sharp, t));
+        }
+    }
+    for sigma in [0.0, 0.1, 0.5, 1.5] {
+        let model = OrenNayar::new(RGB, sigma).unwrap();
+        let t = move |a| twin::oren_nayar(0.6, sigma, a);
+        // The fit's own excess at grazing angles.
+        all.push(case(format!("oren-nayar {sigma}"), model, Lobe::Half, 0.6 * 1.03, 1.0, t));
     }
     for (u, v) in [(0.0, 0.0), (1.0, 5.0), (10.0, 10.0), (100.0, 1000.0), (1e4, 1e4)] {
         for (rd, rs) in [(0.0, 1.0), (1.0, 0.05), (0.5, 0.5)] {
@@ -625,4 +639,61 @@ fn specs_read_merl_files() {
     let spec: BrdfSpec = format!("merl:{}", path.display()).parse().unwrap();
     let expected = Merl::from_bytes(&MERL).unwrap().eval(&direction(0.3, 0.0), &direction(0.4, 3.0));
     assert_eq!(spec.build().unwrap().eval(&direction(0.3, 0.0), &direction(0.4, 3.0)), expected);
+}
+
+/// The best sum of products: errors fall with the terms, and all terms are the table itself.
+#[test]
+fn factored_brdfs_are_their_models() {
+    let model = Sum::new(vec![
+        (1.0, Arc::new(Phong::new(RGB, 6.0).unwrap()) as Arc<dyn Brdf>),
+        (0.3, Arc::new(Lambert::new([0.2, 0.5, 0.9]).unwrap())),
+    ])
+    .unwrap();
+    let cells = 5;
+    let all = FactoredBrdf::new(&model, cells, cells * cells).unwrap();
+    assert!(all.errors().windows(2).all(|w| w[1] <= w[0] * (1.0 + 1e-12)));
+    assert!(all.errors()[24] < 1e-7, "{:?}", all.errors());
+    let centre = |i: usize| {
+        let place = |i: usize| (2 * i + 1) as f64 / cells as f64 - 1.0;
+        ConcentricSquare::direction(&Vector2::new(place(i % cells), place(i / cells))).into_inner()
+    };
+    // By hand, at the cells' centres: the error of four terms is what it says, and no other four do better by chance.
+    let few = FactoredBrdf::new(&model, cells, 4).unwrap();
+    assert_eq!((few.terms(), few.cells()), (4, cells));
+    let (mut off, mut whole) = (0.0, 0.0);
+    for (i, o) in (0..625).map(|k| (centre(k % 25), centre(k / 25))) {
+        let (exact, got) = (model.eval(&i, &o), few.eval(&i, &o));
+        let by_terms: Vector3<f64> = (0..4).map(|k| few.incident(k, &i) * few.outgoing(k, &o)).sum();
+        assert!((got - by_terms).norm() < 1e-13 * (1.0 + got.norm()));
+        assert!((all.eval(&i, &o) - exact).norm() < 1e-6);
+        off += (got - exact).norm_squared() * i.z * o.z;
+        whole += exact.norm_squared() * i.z * o.z;
+    }
+    assert!(((off / whole).sqrt() - few.errors()[3]).abs() < 1e-9, "{} {:?}", (off / whole).sqrt(), few.errors());
+    assert!((few.errors()[3] - all.errors()[3]).abs() < 1e-12);
+    // The singular values are those of the matrix.
+    let value = |o: usize, k: usize| {
+        let (i, o) = (centre(k / 3), centre(o));
+        model.eval(&i, &o)[k % 3] * (i.z * o.z).sqrt()
+    };
+    let singular = DMatrix::from_fn(25, 75, value).singular_values();
+    let tail = (singular.iter().skip(4).map(|s| s * s).sum::<f64>() / singular.norm_squared()).sqrt();
+    assert!((tail - few.errors()[3]).abs() < 1e-9, "{tail}");
+    // Finer cells are nearer between their centres.
+    let finer = FactoredBrdf::new(&model, 10, 30).unwrap();
+    assert!(finer.cell_error() < 0.6 * all.cell_error(), "{} {}", finer.cell_error(), all.cell_error());
+
+    for cells in [0, 1, 33, usize::MAX] {
+        assert!(matches!(FactoredBrdf::new(&model, cells, 1), Err(Error::OutOfRange { .. })));
+    }
+    for terms in [0, 10, usize::MAX] {
+        assert!(matches!(FactoredBrdf::new(&model, 3, terms), Err(Error::OutOfRange { .. })));
+    }
+    let nan =
+        BrdfFn::new(|_: &Vector3<f64>, wo: &Vector3<f64>| Vector3::repeat(if wo.x > 0.5 { f64::NAN } else { 1.0 }));
+    assert!(matches!(FactoredBrdf::new(&nan, 4, 1), Err(Error::NotFinite { .. })));
+    let black = FactoredBrdf::new(&Lambert::new([0.0; 3]).unwrap(), 3, 2).unwrap();
+    assert_eq!((black.errors(), black.cell_error()), (&[0.0, 0.0][..], 0.0));
+    let below = Vector3::new(0.6, 0.0, -0.8);
+    assert_eq!((few.incident(0, &below), few.outgoing(0, &below)), (Vector3::zeros(), 0.0));
 }

@@ -6,7 +6,7 @@ use approx::assert_relative_eq;
 use haarmonic::Error;
 use haarmonic::nalgebra::{Affine3, Matrix4, Vector3};
 use haarmonic::reference::scene as naive;
-use haarmonic::scene::{BackFaces, Bvh, Camera, Mesh, MeshRepair, Picture, Procedural};
+use haarmonic::scene::{BackFaces, Bvh, Camera, Mesh, MeshRepair, Picture, PixelSample, Procedural};
 
 type V = Vector3<f32>;
 
@@ -326,4 +326,58 @@ fn picture_wants_one_colour_a_vertex() {
     let mesh = Mesh::new(positions, faces).unwrap();
     let camera = Camera::framing(&mesh, &Vector3::y(), &Vector3::z(), 1.0, 1.0).unwrap();
     let _ = Picture::new(&mesh, &Bvh::new(&mesh), &camera, [2, 2], 1).unwrap().shade(&[V::x(); 3], |_| V::zeros());
+}
+/// What a picture shows is public: the place of every sample, and how it moves from pixel to pixel.
+#[test]
+fn hits_of_a_picture_are_places_of_the_mesh() {
+    let model = Procedural::TorusKnotOnFloor.build(1_000).unwrap();
+    let (mesh, bvh) = (&model.mesh, Bvh::new(&model.mesh));
+    let picture = Picture::new(mesh, &bvh, &model.camera, [40, 30], 2).unwrap();
+    assert_eq!((picture.size(), picture.samples()), ([40, 30], 2));
+    let (mut seen, mut compared) = (0, 0);
+    for (pixel, sample) in (0..40 * 30 * 4).map(|i| ([i / 4 % 40, i / 160], i % 4)) {
+        let found = picture.sample(pixel, sample);
+        assert_eq!((found.pixel, found.sample), (pixel, sample));
+        let exact = bvh.closest_hit(&model.camera.eye(), &found.direction);
+        assert_eq!(found.hit.map(|hit| hit.face), exact.map(|hit| hit.face));
+        let differentials = picture.differentials(mesh, pixel, sample);
+        let Some(hit) = found.hit else {
+            assert_eq!(differentials, None);
+            continue;
+        };
+        seen += 1;
+        let place = hit.interpolate(mesh, mesh.positions()).cast::<f64>();
+        let along = model.camera.eye() + found.direction.into_inner() * f64::from(hit.depth);
+        assert!((place - along).norm() < 1e-4 * f64::from(hit.depth), "{pixel:?} {sample}");
+        // To the same place of the next pixel, if that shows the same face: half of two central differences.
+        let next = (pixel[0] + 1 < 40).then(|| picture.sample([pixel[0] + 1, pixel[1]], sample));
+        if let (Some([right, down]), Some(PixelSample { hit: Some(next), .. })) = (differentials, next)
+            && next.face == hit.face
+        {
+            compared += 1;
+            let after = picture.differentials(mesh, [pixel[0] + 1, pixel[1]], sample).unwrap()[0];
+            for k in 0..3 {
+                let step = f64::from(next.barycentric[k] - hit.barycentric[k]);
+                let mean = 0.5 * (right[k] + after[k]);
+                assert!((step - mean).abs() < 0.02 * (1.0 + step.abs()), "{pixel:?}: {step} against {mean}");
+            }
+            assert!(right.iter().sum::<f64>().abs() < 1e-9 && down.iter().sum::<f64>().abs() < 1e-9);
+        }
+    }
+    assert!(seen > 1000 && compared > 300, "{seen} {compared}");
+
+    // A wall across the view: a pixel is 2 tan(fov/2)/height of its distance, everywhere.
+    let corners = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]].map(Vector3::from);
+    let wall = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let camera = Camera::look_at(Vector3::z() * 2.0, Vector3::zeros(), Vector3::y(), 0.8).unwrap();
+    let picture = Picture::new(&wall, &Bvh::new(&wall), &camera, [7, 5], 1).unwrap();
+    let [right, down] = picture.differentials(&wall, [5, 1], 0).unwrap();
+    let moved = |d: [f64; 3]| -> Vector3<f64> { (0..3).map(|k| wall.corners(0)[k].cast::<f64>() * d[k]).sum() };
+    let pixel = 2.0 * 2.0 * 0.4_f64.tan() / 5.0;
+    assert!((moved(right) - Vector3::x() * pixel).norm() < 1e-12, "{}", moved(right));
+    assert!((moved(down) + Vector3::y() * pixel).norm() < 1e-12, "{}", moved(down));
+
+    // A colour a sample: its mean over a pixel.
+    let depth = picture.shade_samples(|sample| Vector3::repeat(sample.hit.map_or(-1.0, |hit| hit.depth)));
+    assert!((depth[2 * 7 + 3].x - 2.0).abs() < 1e-6);
 }

@@ -7,6 +7,8 @@ mod far;
 mod geometry;
 mod ground_truth;
 mod light;
+mod local_truth;
+mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 mod visibility;

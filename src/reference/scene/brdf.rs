@@ -107,6 +107,25 @@ pub fn cook_torrance(f0: f64, alpha_x: f64, alpha_y: f64, a: Angles) -> f64 {
     d * g * f / (4.0 * a.theta_i.cos() * a.theta_o.cos())
 }
 
+/// D G F / (4 cos θ_i cos θ_o) with Beckmann's distribution of slopes of root mean square m, the shadowing of grooves
+/// and Schlick's Fresnel term.
+pub fn beckmann(f0: f64, m: f64, a: Angles) -> f64 {
+    let h = a.half();
+    let d = (-(h.theta_h.tan() / m).powi(2)).exp() / (PI * m * m * h.theta_h.cos().powi(4));
+    let groove = |theta: f64| 2.0 * h.theta_h.cos() * theta.cos() / h.theta_d.cos();
+    let g = groove(a.theta_i).min(groove(a.theta_o)).min(1.0);
+    let f = f0 + (1.0 - f0) * (1.0 - h.theta_d.cos()).powi(5);
+    d * g * f / (4.0 * a.theta_i.cos() * a.theta_o.cos())
+}
+
+/// Oren and Nayar's qualitative model, their equation 30.
+pub fn oren_nayar(albedo: f64, sigma: f64, a: Angles) -> f64 {
+    let (alpha, beta) = (a.theta_i.max(a.theta_o), a.theta_i.min(a.theta_o));
+    let square = sigma * sigma;
+    let (first, second) = (1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09));
+    albedo / PI * (first + second * (a.phi_i - a.phi_o).cos().max(0.0) * alpha.sin() * beta.tan())
+}
+
 /// Ashikhmin and Shirley's diffuse and specular terms, exponents n_u and n_v.
 pub fn ashikhmin_shirley(diffuse: f64, specular: f64, n_u: f64, n_v: f64, a: Angles) -> f64 {
     let h = a.half();

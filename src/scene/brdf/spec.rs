@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::{AshikhminShirley, BlinnPhong, Brdf, CookTorrance, Lambert, Merl, Phong, Sum, Ward};
+use super::{AshikhminShirley, Beckmann, BlinnPhong, Brdf, CookTorrance, Lambert, Merl, OrenNayar, Phong, Sum, Ward};
 use crate::{Error, Result};
 
 /// A BRDF as a command line names it.
@@ -18,11 +18,13 @@ use crate::{Error, Result};
 /// | `phong:N[:ALBEDO]`, `blinn-phong:N[:ALBEDO]` | [`Phong`], [`BlinnPhong`] of exponent N |
 /// | `ward:ALPHA[:ALPHA_Y[:ALBEDO]]` | [`Ward`] |
 /// | `ggx:ALPHA[:ALPHA_Y[:F0]]` | [`CookTorrance`], F0 = 1 unless given |
+/// | `beckmann:M[:F0]` | [`Beckmann`], F0 = 1 unless given |
+/// | `oren-nayar:SIGMA[:ALBEDO]` | [`OrenNayar`], SIGMA in radians |
 /// | `ashikhmin:N_U[:N_V[:R_S]]` | [`AshikhminShirley`] without its diffuse term, R_S = 1 unless given |
 /// | `merl:FILE` | [`Merl`]; FILE is the rest of the string |
 ///
-/// An albedo is one number or three, `0.8,0.3,0.2`. Forms joined by `+` are summed; one without an albedo (`ggx` and
-/// `ashikhmin` always) gets in equal shares what the others leave of 1, so that a sum never reflects more than it gets.
+/// An albedo is one number or three, `0.8,0.3,0.2`. Forms joined by `+` are summed; one without an albedo (`ggx`,
+/// `beckmann` and `ashikhmin` always) gets in equal shares what the others leave of 1, so that a sum never reflects more than it gets.
 ///
 /// # Example
 /// ```
@@ -62,13 +64,15 @@ enum Model {
     BlinnPhong(f64),
     Ward([f64; 2]),
     Ggx([f64; 2], Vector3<f64>),
+    Beckmann(f64, Vector3<f64>),
+    OrenNayar(f64),
     Ashikhmin([f64; 2], Vector3<f64>),
 }
 
 impl BrdfSpec {
     /// The forms, one line, for help texts.
     pub const FORMS: &'static str = "lambert:ALBEDO, phong:N[:ALBEDO], blinn-phong:N[:ALBEDO], \
-        ward:ALPHA[:ALPHA_Y[:ALBEDO]], ggx:ALPHA[:ALPHA_Y[:F0]], ashikhmin:N_U[:N_V[:R_S]], merl:FILE; an albedo, F0 \
+        ward:ALPHA[:ALPHA_Y[:ALBEDO]], ggx:ALPHA[:ALPHA_Y[:F0]], beckmann:M[:F0], oren-nayar:SIGMA[:ALBEDO], ashikhmin:N_U[:N_V[:R_S]], merl:FILE; an albedo, F0 \
         or R_S is one number or three (0.8,0.3,0.2); all but merl can be joined by +";
 
     /// Makes the BRDF; `merl:FILE` is read here.
@@ -100,6 +104,8 @@ impl Part {
             Model::BlinnPhong(n) => (1.0, Arc::new(BlinnPhong::new(albedo, *n)?)),
             Model::Ward([x, y]) => (1.0, Arc::new(Ward::new(albedo, *x, *y)?)),
             Model::Ggx([x, y], f0) => (share, Arc::new(CookTorrance::new(*f0, *x, *y)?)),
+            Model::Beckmann(m, f0) => (share, Arc::new(Beckmann::new(*f0, *m)?)),
+            Model::OrenNayar(sigma) => (1.0, Arc::new(OrenNayar::new(albedo, *sigma)?)),
             Model::Ashikhmin([u, v], rs) => (share, Arc::new(AshikhminShirley::new([0.0; 3], *rs, *u, *v)?)),
         })
     }
@@ -185,6 +191,14 @@ fn parse_part(text: &str) -> Result<Part, String> {
         "ggx" => {
             count(1..=3)?;
             (Model::Ggx(lobe()?, rgb(2)?.unwrap_or(white)), None)
+        }
+        "beckmann" => {
+            count(1..=2)?;
+            (Model::Beckmann(parse_number(fields[0])?, rgb(1)?.unwrap_or(white)), None)
+        }
+        "oren-nayar" => {
+            count(1..=2)?;
+            (Model::OrenNayar(parse_number(fields[0])?), rgb(1)?)
         }
         "ashikhmin" => {
             count(1..=3)?;

@@ -3,12 +3,14 @@
 mod bas_relief;
 mod builder;
 mod stacked_spheres;
+mod stage;
 mod table;
 mod torus_knot;
 
 use nalgebra::Vector3;
 
 use self::builder::Builder;
+pub use self::stage::{Stage, StageObject, Staged};
 use super::{Camera, Mesh};
 use crate::{Error, Result};
 

@@ -16,9 +16,10 @@ use crate::{Error, Progress, Result};
 /// ```
 ///
 /// with L_0 the light that the mesh reflects directly, from any truth. Each integral is a sum over `samples`² equal
-/// solid angles of the hemisphere; radiance is interpolated over the face that is met. Between two reflections,
-/// outgoing radiance is kept for every vertex: one value where no BRDF depends on the view, else a cube map of it,
-/// looked up bilinearly. Faces are seen from their front only: the back of one is black.
+/// solid angles of the hemisphere, scaled so that their cosines sum to π as they should; radiance is interpolated over
+/// the face that is met. Between two reflections, outgoing radiance is kept for every vertex: one value where no BRDF
+/// depends on the view, else a cube map of it, looked up bilinearly. Faces are seen from their front only: the back of
+/// one is black.
 ///
 /// Instances and several objects are merged into one mesh first ([`Mesh::merge`]).
 #[derive(Debug, Clone, Copy)]
@@ -170,8 +171,10 @@ impl Interreflection<'_> {
         samples: usize,
         incident: &mut Vec<(Vector3<f64>, Vector3<f64>)>,
     ) {
-        let omega = std::f64::consts::TAU / (samples * samples) as f64;
         let centre = |i: usize| (2 * i + 1) as f64 / samples as f64 - 1.0;
+        // cos θ = 1 − max(|x|, |y|)² on the square.
+        let cosine = |i: usize| 1.0 - centre(i % samples).abs().max(centre(i / samples).abs()).powi(2);
+        let omega = std::f64::consts::PI / (0..samples * samples).map(cosine).sum::<f64>();
         let frame = self.mesh.local_frame(vertex);
         incident.clear();
         for i in 0..samples * samples {

@@ -92,9 +92,11 @@ impl LocalTruth<'_> {
             return Vector3::zeros();
         }
         let normal = *shading.axes.normal();
+        // Light is that at the vertex; only rays start a little off the surface.
+        let position = self.mesh.positions()[vertex].cast::<f64>();
         let mut sum = Vector3::zeros();
         for light in self.lights {
-            light.sample(start, samples, |part| {
+            light.sample(&position, samples, |part| {
                 let is_hidden = || {
                     let ends = part.distance * SHORT_OF_THE_LAMP;
                     self.occluders.is_some_and(|o| o.any_hit_within(start, &part.direction, ends))
