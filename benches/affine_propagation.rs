@@ -1,10 +1,10 @@
-//! Carrying a 32² or 64² light to a place: routes, the dense operator and a summed-area table, against terms kept; and
-//! a zoom without decompression.
+//! Carrying a 32² or 64² light to a place: routes, the dense operator and a summed-area table, against terms kept;
+//! a zoom without decompression; and a transport that meets the light of many vertices, stored or on the fly.
 //!
 //! A place is one pair of maps, 64 of them in turn, as a renderer goes from vertex to vertex; s between ½ and 2. Times
 //! are per place. `AFFINE_SWEEP=FILE` measures every route over terms kept at source and target, prints the engine's
 //! choice against the best and writes FILE as CSV.
-#![expect(clippy::print_stderr, reason = "the sweep is a table for people")]
+#![expect(clippy::print_stderr, reason = "the sweep and the bytes are for people")]
 
 #[path = "../examples/affine/contenders.rs"]
 mod contenders;
@@ -14,10 +14,13 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use contenders::{Case, Dense, PLACES, Table, best_of, light, places};
-use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use haarmonic::Real;
-use haarmonic::affine::{AffineMap, Propagation, PropagationRoute, PropagationScratch, PropagationSource, Targets};
+use haarmonic::affine::{
+    AffineMap, Propagation, PropagationRoute, PropagationScratch, PropagationSource, TargetLists, Targets,
+};
 use haarmonic::haar::{Decomposition, Keep, Selection, Transform2d, forward_2d};
+use rayon::prelude::*;
 
 const BASES: [Decomposition; 2] = [Decomposition::Standard, Decomposition::Nonstandard];
 
@@ -119,6 +122,64 @@ fn zoom(criterion: &mut Criterion) {
     }
 }
 
+/// Light met by a transport at many vertices: on the fly, and by way of all propagated light in memory.
+///
+/// Times are per vertex. 4096 vertices, three channels; the memory of the stored way is printed, and what 68,000
+/// vertices would take.
+fn vertices(criterion: &mut Criterion) {
+    const VERTICES: usize = 4096;
+    let basis = Decomposition::Standard;
+    for (from, side) in [(32, 32), (64, 32)] {
+        let mut group = criterion.benchmark_group(format!("vertices {from}² to {side}²"));
+        group.throughput(Throughput::Elements(VERTICES as u64)).sample_size(10);
+        let area = side * side;
+        let pixels: [Vec<f32>; 3] = std::array::from_fn(|c| light(from, c));
+        let source = PropagationSource::from_pixels(from, basis, pixels.each_ref().map(Vec::as_slice)).expect("2^k");
+        let plan = Propagation::<f32>::between(from, side, basis).expect("2^k");
+        let maps: Vec<[AffineMap; 2]> = places().into_iter().cycle().take(VERTICES).collect();
+        for kept in [area / 50, area / 5, area] {
+            let lists = if kept == area {
+                TargetLists::all(side, basis, VERTICES)
+            } else {
+                // Coarse terms of every vertex, and some that differ from one to the next.
+                let list =
+                    |v: usize| (0..kept).map(move |k| (if k < kept / 2 { k } else { k + v % (area - kept) }) as u32);
+                let offsets: Vec<usize> = (0..=VERTICES).map(|v| v * kept).collect();
+                let indices: Vec<u32> = (0..VERTICES).flat_map(list).collect();
+                TargetLists::new(side, basis, &offsets, &indices)
+            }
+            .expect("indices of the image");
+            let transport: Vec<f32> = (0..lists.len()).map(|k| ((k * 7919) % 101) as f32 / 101.0).collect();
+            let mut out = vec![[0.0f32; 3]; VERTICES];
+            let mut stored = vec![0.0f32; 3 * lists.len()];
+            let bytes = size_of_val(&stored[..]);
+            eprintln!(
+                "{kept} targets: stored light {:.1} MB, of 68,000 vertices {:.0} MB",
+                bytes as f64 / 1e6,
+                bytes as f64 / 1e6 * 68_000.0 / VERTICES as f64
+            );
+            group.bench_function(BenchmarkId::new("on the fly", kept), |b| {
+                b.iter(|| plan.inner_products(&source, black_box(&maps), &lists, &transport, &mut out));
+            });
+            group.bench_function(BenchmarkId::new("light alone", kept), |b| {
+                b.iter(|| plan.apply_lists(&source, black_box(&maps), &lists, &mut stored));
+            });
+            group.bench_function(BenchmarkId::new("by way of stored light", kept), |b| {
+                b.iter(|| {
+                    plan.apply_lists(&source, black_box(&maps), &lists, &mut stored);
+                    out.par_iter_mut().enumerate().for_each(|(v, out)| {
+                        let (transport, light) = (&transport[v * kept..][..kept], &stored[3 * v * kept..]);
+                        *out = std::array::from_fn(|c| {
+                            light[c * kept..].iter().zip(transport).map(|(l, t)| l * t).sum::<f32>()
+                        });
+                    });
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
 /// A round is PLACES places; criterion wants the time of n of them.
 fn per_place(n: u64, mut round: impl FnMut()) -> Duration {
     let rounds = n.div_ceil(PLACES as u64);
@@ -183,6 +244,7 @@ fn all(criterion: &mut Criterion) {
     }
     propagate(criterion);
     zoom(criterion);
+    vertices(criterion);
 }
 
 criterion_group! {

@@ -8,6 +8,7 @@
 //! | a number of things to do | [`try_each`] |
 //! | a slice to fill, an element or a row at a time | [`fill`], [`rows`] |
 //! | a slice to fill, a chunk at a time | [`chunks`], [`try_chunks`] |
+//! | the same, of chunks of different lengths | [`ragged`] |
 //! | the same, with scratch that outlives the loop | [`pieces`], [`with_scratch`] |
 //! | a caller who watches | [`Watch`] |
 //!
@@ -88,6 +89,32 @@ pub(crate) fn chunks<T: Send, S>(
     {
         let mut scratch = scratch();
         out.chunks_mut(chunk).enumerate().for_each(|(k, part)| f(k, part, &mut scratch));
+    }
+}
+
+/// As [`chunks`], of `count` chunks of different lengths: number k ends where number k + 1 begins, at `start(k + 1)`.
+pub(crate) fn ragged<T: Send, S>(
+    out: &mut [T],
+    count: usize,
+    start: impl Fn(usize) -> usize,
+    scratch: impl Fn() -> S + Sync,
+    f: impl Fn(usize, &mut [T], &mut S) + Sync,
+) {
+    let mut rest = out;
+    let parts = (0..count).map(|k| {
+        let (part, others) = std::mem::take(&mut rest).split_at_mut(start(k + 1) - start(k));
+        rest = others;
+        (k, part)
+    });
+    #[cfg(feature = "rayon")]
+    {
+        let parts: Vec<_> = parts.collect();
+        parts.into_par_iter().for_each_init(&scratch, |scratch, (k, part)| f(k, part, scratch));
+    }
+    #[cfg(not(feature = "rayon"))]
+    {
+        let mut scratch = scratch();
+        parts.for_each(|(k, part)| f(k, part, &mut scratch));
     }
 }
 
@@ -212,6 +239,15 @@ mod tests {
         rows(&mut out, 0, 4, |_, _| unreachable!());
         chunks(&mut out, 8, || (), |k, part, ()| part.fill(k));
         assert!(out.iter().enumerate().all(|(i, &x)| x == i / 8));
+    }
+
+    #[test]
+    fn ragged_chunks_begin_where_they_say() {
+        let starts = [0, 3, 3, 10, 11];
+        let mut out = vec![usize::MAX; 11];
+        ragged(&mut out, 4, |k| starts[k], || (), |k, part, ()| part.fill(k));
+        assert_eq!(out, [0, 0, 0, 2, 2, 2, 2, 2, 2, 2, 3]);
+        ragged(&mut out, 0, |k| starts[k], || (), |_, _, ()| unreachable!());
     }
 
     #[test]

@@ -108,6 +108,33 @@ pub fn coupling_standard<const Q: usize>(i: [usize; Q], j: [usize; Q], maps: [Af
     (0..Q).map(|q| coupling_1d(i[q], j[q], maps[q])).product()
 }
 
+/// [∂/∂s_q, ∂/∂o_q] of [`coupling_standard`] for each axis q, right-hand as [`coupling_gradient`].
+///
+/// D is a product of which each axis moves one factor: ∂D/∂s_q = ∂D_q/∂s_q Π_{r≠q} D_r.
+///
+/// # Example
+/// ```
+/// use haarmonic::affine::{AffineMap, coupling_gradient_standard};
+/// let maps = [AffineMap::new(2.0, 0.0)?, AffineMap::new(1.0, 0.5)?];
+/// // 1/s_x (1 − o_y) of two means.
+/// assert_eq!(coupling_gradient_standard([0, 0], [0, 0], maps), [[-0.125, -0.25], [-0.25, -0.5]]);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+pub fn coupling_gradient_standard<const Q: usize>(i: [usize; Q], j: [usize; Q], maps: [AffineMap; Q]) -> [[f64; 2]; Q] {
+    gradient_of_product(
+        std::array::from_fn(|q| coupling_1d(i[q], j[q], maps[q])),
+        std::array::from_fn(|q| coupling_gradient_1d(i[q], j[q], maps[q])),
+    )
+}
+
+/// The gradient of a product of one factor an axis, from the factors and their gradients; no factor is divided by.
+pub(super) fn gradient_of_product<const Q: usize>(value: [f64; Q], gradient: [[f64; 2]; Q]) -> [[f64; 2]; Q] {
+    std::array::from_fn(|q| {
+        let others: f64 = (0..Q).filter(|&r| r != q).map(|r| value[r]).product();
+        gradient[q].map(|d| d * others)
+    })
+}
+
 /// D_ij of the 2D nonstandard basis, by flat index; maps of x and y.
 pub fn coupling_nonstandard(i: usize, j: usize, maps: [AffineMap; 2]) -> f64 {
     let ([ix, iy], [jx, jy]) = (Atom::from_nonstandard(i), Atom::from_nonstandard(j));

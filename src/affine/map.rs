@@ -78,6 +78,11 @@ impl AffineMap {
         self.offset
     }
 
+    /// v ↦ s·`factor` v + o, whose range is not checked: `factor` is a ratio of two sizes, and exact.
+    pub(super) fn stretched(self, factor: f64) -> Self {
+        Self { scale: self.scale * factor, offset: self.offset }
+    }
+
     /// s v + o, rounded twice.
     #[inline]
     pub fn apply(self, v: f64) -> f64 {

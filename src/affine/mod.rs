@@ -75,7 +75,7 @@ pub use atom_product::ScaledAtom;
 pub use canonical::{Mother, canonical, canonical_batch, canonical_gradient, canonical_slope};
 pub use coupling::{
     Nonzeros1d, NonzerosNonstandard, coupling, coupling_1d, coupling_gradient, coupling_gradient_1d,
-    coupling_nonstandard, coupling_standard,
+    coupling_gradient_standard, coupling_nonstandard, coupling_standard,
 };
 pub use grid::{MapGrid, NearestMap};
 pub use light_field::{LightField, LightFieldTerm};
@@ -86,10 +86,12 @@ pub use product::{
     AffineProduct1d, AffineProduct2d, ProductGradient, ProductRoute, affine_double_product_1d,
     affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
 };
-pub use propagation::{Axis, Propagation, PropagationRoute, PropagationScratch, PropagationSource, Targets};
+pub use propagation::{
+    Axis, Propagation, PropagationRoute, PropagationScratch, PropagationSource, TargetLists, Targets,
+};
 pub use stored::{StoredCouplings, StoredOperator};
 pub use table::{CanonicalTable, Filter, Quantisation};
 pub use tripling::{
     TripleNonzeros1d, TripleNonzerosNonstandard, tripling, tripling_1d, tripling_gradient, tripling_gradient_1d,
-    tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,
+    tripling_gradient_nonstandard, tripling_gradient_standard, tripling_nonstandard, tripling_standard,
 };

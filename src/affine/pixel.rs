@@ -16,18 +16,7 @@ use super::exact_sum::{exact_product, separation};
 #[track_caller]
 pub fn pixel_coupling_slope(size: usize, i: usize, j: usize, map: AffineMap, along: [f64; 2]) -> f64 {
     assert!(i < size && j < size, "pixels {:?} of {size}", [i, j]);
-    let grid = Grid::new(size, map);
-    if !grid.touches(i, j) {
-        return 0.0;
-    }
-    let [low, high] = grid.ends(i);
-    // (position relative to that end of pixel j, velocity) of what bounds the overlap; of two that coincide, the one
-    // that will.
-    let velocity = |end: usize| grid.velocity(end, j, along);
-    let left = last((0.0, 0.0), (grid.distance(low, j), velocity(low)));
-    let right = first((0.0, 0.0), (grid.distance(high, j + 1), velocity(high)));
-    let growth = right.1 - left.1;
-    if grid.overlap(i, j).is_some() { growth } else { growth.max(0.0) }
+    Grid::new(size, map).slope(i, j, along)
 }
 
 fn first(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
@@ -81,6 +70,21 @@ impl Grid {
     fn touches(&self, i: usize, j: usize) -> bool {
         let [low, high] = self.ends(i);
         self.distance(low, j + 1) <= 0.0 && self.distance(high, j) >= 0.0
+    }
+
+    /// The one-sided derivative of the overlap of source pixel i and target pixel j along (ds, do).
+    pub(crate) fn slope(&self, i: usize, j: usize, along: [f64; 2]) -> f64 {
+        if !self.touches(i, j) {
+            return 0.0;
+        }
+        let [low, high] = self.ends(i);
+        // (position relative to that end of pixel j, velocity) of what bounds the overlap; of two that coincide, the
+        // one that will.
+        let velocity = |end: usize| self.velocity(end, j, along);
+        let left = last((0.0, 0.0), (self.distance(low, j), velocity(low)));
+        let right = first((0.0, 0.0), (self.distance(high, j + 1), velocity(high)));
+        let growth = right.1 - left.1;
+        if self.overlap(i, j).is_some() { growth } else { growth.max(0.0) }
     }
 
     /// The first pair that overlaps, as (step along the source, target pixel); N for one past the end if none does.

@@ -3,7 +3,8 @@
 use std::sync::OnceLock;
 
 use super::coupling::levels_of;
-use super::{AffineMap, MapGrid, Nonzeros1d, NonzerosNonstandard};
+use super::{AffineMap, MapGrid, Nonzeros1d, NonzerosNonstandard, Targets};
+use crate::error::check_length;
 use crate::haar::{Decomposition, Index2d, Keep};
 use crate::{Error, Result, parallel};
 
@@ -108,6 +109,40 @@ impl Prediction<2> {
             Decomposition::Nonstandard => Basis::Nonstandard(nonstandard),
         };
         Self::build(basis, side * side, heuristic, grid, keep)
+    }
+
+    /// Makes `targets` those of a pair of maps, as [`Targets::new`] makes them of [`targets`](Self::targets).
+    ///
+    /// This is for a renderer that goes from vertex to vertex with one `Targets` a thread: its memory grows to the
+    /// longest choice, and nothing is allocated after that, but for a choice that is made for the first time
+    /// ([`fill`](Self::fill) makes all of them before).
+    ///
+    /// # Panics
+    /// If the side or the basis of the targets is not that of the prediction.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::affine::{AffineMap, Heuristic, MapGrid, Prediction, Targets};
+    /// use haarmonic::haar::{Decomposition::Standard, Keep};
+    /// let grid = MapGrid::new([0.25, 4.0], [8, 12])?;
+    /// let prediction = Prediction::<2>::new(16, Standard, Heuristic::Constant, grid, Keep::Terms(20))?;
+    /// let mut targets = Targets::new(16, Standard, &[])?;
+    /// for offset in [-0.3, 0.1, 0.2] {
+    ///     let maps = [AffineMap::new(1.5, offset)?, AffineMap::new(1.5, -0.2)?];
+    ///     prediction.set_targets(maps, &mut targets);
+    ///     assert_eq!(targets, Targets::new(16, Standard, prediction.targets(maps))?);
+    /// }
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    #[track_caller]
+    pub fn set_targets(&self, maps: [AffineMap; 2], targets: &mut Targets) {
+        let (side, decomposition) = match self.basis {
+            Basis::Nonstandard(nonzeros) => (nonzeros.side(), Decomposition::Nonstandard),
+            Basis::Line(nonzeros) | Basis::Standard(nonzeros) => (nonzeros.size(), Decomposition::Standard),
+        };
+        check_length("side of the targets", side, targets.side());
+        assert!(targets.decomposition() == decomposition, "the targets must have the prediction's basis");
+        targets.set_checked(self.targets(maps));
     }
 }
 

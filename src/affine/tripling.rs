@@ -5,7 +5,7 @@
 //! ±2^{l_j/2} D_ik for the ancestors j of every k that i meets; D_ikk = 2^{l_k/2} ∫ f φ_{l_k,t_k}.
 
 use super::atom::root_power;
-use super::coupling::levels_of;
+use super::coupling::{gradient_of_product, levels_of};
 use super::met::{Column, Met, Row};
 use super::{AffineMap, Atom, NonzerosNonstandard, coupling, coupling_gradient};
 use crate::Result;
@@ -74,6 +74,20 @@ pub fn tripling_gradient_1d(i: usize, j: usize, k: usize, map: AffineMap) -> [f6
 /// `i`, `j` and `k` hold one flat 1D index an axis.
 pub fn tripling_standard<const Q: usize>(i: [usize; Q], j: [usize; Q], k: [usize; Q], maps: [AffineMap; Q]) -> f64 {
     (0..Q).map(|q| tripling_1d(i[q], j[q], k[q], maps[q])).product()
+}
+
+/// [∂/∂s_q, ∂/∂o_q] of [`tripling_standard`] for each axis q, right-hand as [`tripling_gradient`]: the product rule, as
+/// in [`coupling_gradient_standard`](super::coupling_gradient_standard).
+pub fn tripling_gradient_standard<const Q: usize>(
+    i: [usize; Q],
+    j: [usize; Q],
+    k: [usize; Q],
+    maps: [AffineMap; Q],
+) -> [[f64; 2]; Q] {
+    gradient_of_product(
+        std::array::from_fn(|q| tripling_1d(i[q], j[q], k[q], maps[q])),
+        std::array::from_fn(|q| tripling_gradient_1d(i[q], j[q], k[q], maps[q])),
+    )
 }
 
 /// D_ijk of the 2D nonstandard basis, by flat index; maps of x and y.

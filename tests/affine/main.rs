@@ -5,10 +5,13 @@ mod bases;
 mod canonical;
 mod coupling;
 mod exactness;
+mod frames;
 mod product;
 mod propagation;
 mod reference;
+mod sides;
 #[path = "../support/mod.rs"]
 mod support;
 mod tables;
 mod tripling;
+mod vertices;

@@ -4,8 +4,9 @@ use crate::support::{
     HAAR_AFFINE, assert_close, cases, differentiable, golden, half_power, map, number, right_gradient,
 };
 use haarmonic::affine::{
-    AffineMap, Atom, Mother, TripleNonzeros1d, TripleNonzerosNonstandard, canonical, coupling_1d, tripling_1d,
-    tripling_gradient_1d, tripling_gradient_nonstandard, tripling_nonstandard, tripling_standard,
+    AffineMap, Atom, Mother, TripleNonzeros1d, TripleNonzerosNonstandard, canonical, coupling_1d, coupling_gradient_1d,
+    coupling_gradient_standard, tripling_1d, tripling_gradient_1d, tripling_gradient_nonstandard,
+    tripling_gradient_standard, tripling_nonstandard, tripling_standard,
 };
 use haarmonic::haar;
 use haarmonic::reference::affine as naive;
@@ -337,6 +338,49 @@ fn nonstandard_gradients_are_right_hand_slopes() {
             }
         }
     }
+}
+
+#[test]
+fn standard_gradients_are_right_hand_slopes() {
+    // Without a kink, at one in x, and at kinks of both axes.
+    for maps in
+        [[map(0.713, 0.2), map(-1.375, 1.25)], [map(1.0, 0.25), map(2.613, -0.737)], [map(-1.0, 1.0), map(0.5, 0.25)]]
+    {
+        for (i, j, k) in triples(4) {
+            for (l, m, n) in triples(4) {
+                let (i, j, k) = ([i, l], [j, m], [k, n]);
+                let got = tripling_gradient_standard(i, j, k, maps);
+                let coupled = coupling_gradient_standard(i, j, maps);
+                for q in 0..2 {
+                    let beside = |map| if q == 0 { [map, maps[1]] } else { [maps[0], map] };
+                    let want = right_gradient(maps[q], |map| naive::tripling_standard(&i, &j, &k, &beside(map)));
+                    for (got, want) in got[q].into_iter().zip(want) {
+                        assert_close(got, want, 1e-7, &format!("{i:?} {j:?} {k:?}, axis {q}, {maps:?}"));
+                    }
+                    if k == [0, 0] {
+                        let want = right_gradient(maps[q], |map| naive::coupling_standard(&i, &j, &beside(map)));
+                        for (got, want) in coupled[q].into_iter().zip(want) {
+                            assert_close(got, want, 1e-7, &format!("{i:?} {j:?}, axis {q}, {maps:?}"));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn standard_gradients_of_known_values() {
+    // Means of [0, 1): min(1, (1 − o)/s) − … of each axis: 1/s for s = 2, o = 0; 1 − o for s = 1; in three dimensions.
+    let maps = [map(2.0, 0.0), map(1.0, 0.5), map(4.0, 0.0)];
+    let want = [[-0.03125, -0.0625], [-0.0625, -0.125], [-0.015625, -0.0625]];
+    assert_eq!(coupling_gradient_standard([0; 3], [0; 3], maps), want);
+    assert_eq!(tripling_gradient_standard([0; 3], [1; 3], [1; 3], maps), want);
+    // A factor of zero leaves the others no gradient, and keeps its own.
+    let maps = [map(1.0, 0.0), map(0.5, 0.25)];
+    assert_eq!(coupling_gradient_standard([1, 0], [0, 0], maps)[1], [0.0; 2]);
+    assert_eq!(coupling_gradient_standard([1, 0], [0, 0], maps)[0], coupling_gradient_1d(1, 0, maps[0]));
+    assert_ne!(coupling_gradient_1d(1, 0, maps[0]), [0.0; 2]);
 }
 
 /// The largest count of non-zeros over maps of scale near 1, as the thesis draws them.

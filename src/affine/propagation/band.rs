@@ -1,14 +1,14 @@
 //! Area resampling of one axis: the couplings of the pixel basis as a band of weights.
 //!
-//! In cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − N o)/s, and its weight in target cell
-//! k is the overlap of the two: the average of F(s v + o) over the cell is the weighted sum, exactly. A target cell
-//! meets at most ⌈|s|⌉ + 1 source cells.
+//! Of M source and N target cells, and in cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − M
+//! o)/s', with s' = s M/N the source cells of a target cell. Its weight in target cell k is the overlap of the two: the
+//! average of F(s v + o) over the cell is the weighted sum, exactly. A target cell meets at most ⌈|s'|⌉ + 1 source cells.
 
 use std::ops::Range;
 
 use crate::Real;
 use crate::affine::exact_sum::{exact_product, exact_sum};
-use crate::affine::pixel::pixel_coupling_slope;
+use crate::affine::pixel::Grid;
 use crate::affine::{AffineMap, Parameter};
 
 /// What the weights are.
@@ -34,20 +34,22 @@ impl<T: Real> Band<T> {
         Self { count: 0, active: 0..0, base: Vec::new(), weight: Vec::new() }
     }
 
-    /// Sets the weights of `cells` cells.
+    /// Sets the weights of `sources` cells in `targets` cells, powers of two.
     #[inline(always)]
-    pub(super) fn set(&mut self, cells: usize, map: AffineMap, weights: Weights) {
-        let (n, s, o) = (cells as f64, map.scale(), map.offset() * cells as f64);
+    pub(super) fn set(&mut self, sources: usize, targets: usize, map: AffineMap, weights: Weights) {
+        let (n, ratio) = (sources as f64, sources as f64 / targets as f64);
+        let map = map.stretched(ratio);
+        let (s, o) = (map.scale(), map.offset() * n);
         // A cell that is about to be met counts for a slope.
         let margin = usize::from(weights != Weights::Value);
-        self.count = ((s.abs().ceil().min(n)) as usize + 1 + 2 * margin).min(cells);
+        self.count = ((s.abs().ceil().min(n)) as usize + 1 + 2 * margin).min(sources);
         let (first, last) = (-o / s, (n - o) / s);
-        let clip = |y: f64| y.clamp(0.0, n) as usize;
+        let clip = |y: f64| y.clamp(0.0, targets as f64) as usize;
         let (low, high) = (first.min(last).floor() - margin as f64, first.max(last).ceil() + margin as f64);
         self.active = clip(low)..clip(high);
-        self.base.resize(cells, 0);
-        self.weight.resize(cells * self.count, T::zero());
-        let room = (cells - self.count) as f64;
+        self.base.resize(targets, 0);
+        self.weight.resize(targets * self.count, T::zero());
+        let room = (sources - self.count) as f64;
         for k in self.active.clone() {
             let lower_end = if s > 0.0 { k } else { k + 1 };
             self.base[k] = (image_cell(s, lower_end as f64, o) - margin as f64).clamp(0.0, room) as u32;
@@ -63,11 +65,11 @@ impl<T: Real> Band<T> {
                     Weights::Value => overlap(before, after, k0),
                     Weights::Slope(parameter) => {
                         let velocity = |b: f64| match parameter {
-                            Parameter::Scale => -b / s,
+                            Parameter::Scale => -b / s * ratio,
                             Parameter::Offset => -n / s,
                         };
                         if at_border(before, k0) || at_border(after, k0) {
-                            slope_at_border(cells, base as usize + q, k, map, parameter)
+                            slope_at_border([sources, targets], base as usize + q, k, map, parameter)
                         } else {
                             overlap_slope([before, after], [velocity(before), velocity(after)], k0)
                         }
@@ -131,14 +133,15 @@ fn at_border(end: f64, k: f64) -> bool {
     (end - k).abs() <= near || (end - k - 1.0).abs() <= near
 }
 
-/// The slope of the weight of source cell i in target cell k, with the sides of all ends decided without rounding.
+/// The slope of the weight of source cell i in target cell k, with the sides of all ends decided without rounding; `map`
+/// takes cells to cells.
 #[cold]
-fn slope_at_border(cells: usize, i: usize, k: usize, map: AffineMap, parameter: Parameter) -> f64 {
+fn slope_at_border([sources, targets]: [usize; 2], i: usize, k: usize, map: AffineMap, parameter: Parameter) -> f64 {
     let along = match parameter {
-        Parameter::Scale => [1.0, 0.0],
+        Parameter::Scale => [sources as f64 / targets as f64, 0.0],
         Parameter::Offset => [0.0, 1.0],
     };
-    pixel_coupling_slope(cells, i, k, map, along)
+    Grid::new(sources, map).slope(i, k, along)
 }
 
 /// |[b, a) ∩ [k, k + 1)| of the ends b and a in either order.

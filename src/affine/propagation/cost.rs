@@ -9,48 +9,53 @@ use crate::Real;
 use crate::affine::AffineMap;
 use crate::haar::Decomposition;
 
-/// Estimates for a set of functions, tabulated over ⌊log₂|s| + ½⌋ from −REACH to REACH.
-#[derive(Debug, Clone, PartialEq)]
+/// How many functions of each level there are in a set; φ counts as level 0.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Estimates {
-    /// Σ over the functions of the levels that are finer than their images.
-    finer: [f32; 2 * REACH + 1],
-    /// Σ over the functions of the cells of the finest level in their images.
-    cells: [f32; 2 * REACH + 1],
+    count: [u32; LEVELS],
+    /// One more than the finest level of the set.
+    levels: usize,
 }
 
-/// More than the levels of the largest side.
-const REACH: usize = 13;
+/// As many as the largest side has.
+const LEVELS: usize = 12;
 
 impl Estimates {
-    /// For functions of the given levels (φ counts as 0), `levels` levels in all.
-    pub(super) fn new(levels: u32, functions: impl Iterator<Item = u32>) -> Self {
-        let mut estimates = Self { finer: [0.0; 2 * REACH + 1], cells: [0.0; 2 * REACH + 1] };
+    /// For functions of the given levels.
+    pub(super) fn new(functions: impl Iterator<Item = u32>) -> Self {
+        let mut estimates = Self::default();
         for level in functions {
-            for k in 0..=2 * REACH {
-                let finer = (levels as i32 - level as i32 + REACH as i32 - k as i32).clamp(0, levels as i32);
-                estimates.finer[k] += finer as f32;
-                estimates.cells[k] += (1u32 << finer) as f32;
-            }
+            estimates.count[level as usize] += 1;
+            estimates.levels = estimates.levels.max(level as usize + 1);
         }
         estimates
     }
 
+    /// Σ over the functions of `of` the levels that are finer than their images, of `levels` levels of the target.
     #[inline(always)]
-    fn finer(&self, log_scale: usize) -> f64 {
-        f64::from(self.finer[log_scale])
+    fn sum(&self, levels: u32, log_scale: i32, of: impl Fn(i32) -> f64) -> f64 {
+        let finer = |level: usize| (levels as i32 - level as i32 - log_scale).clamp(0, levels as i32);
+        (0..self.levels).map(|level| f64::from(self.count[level]) * of(finer(level))).sum()
     }
 
+    /// Σ over the functions of the levels that are finer than their images.
     #[inline(always)]
-    fn cells(&self, log_scale: usize) -> f64 {
-        f64::from(self.cells[log_scale])
+    fn finer(&self, levels: u32, log_scale: i32) -> f64 {
+        self.sum(levels, log_scale, f64::from)
+    }
+
+    /// Σ over the functions of the cells of the finest level in their images.
+    #[inline(always)]
+    fn cells(&self, levels: u32, log_scale: i32) -> f64 {
+        self.sum(levels, log_scale, |finer| f64::from(1u32 << finer))
     }
 }
 
-/// ⌊log₂|s| + ½⌋ as an index of [`Estimates`], from the bits of s.
+/// ⌊log₂|s| + ½⌋, from the bits of s.
 #[inline(always)]
-fn log_scale(map: AffineMap) -> usize {
+fn log_scale(map: AffineMap) -> i32 {
     let bits = (map.scale().abs() * std::f64::consts::SQRT_2).to_bits();
-    ((bits >> 52) as i32 - 1023 + REACH as i32).clamp(0, 2 * REACH as i32) as usize
+    (bits >> 52) as i32 - 1023
 }
 
 /// What a count costs, in nanoseconds of one core (Zen 3, AVX2) in its fast state; only their ratios matter.
@@ -79,7 +84,7 @@ pub(super) fn choose<T: Real, const C: usize>(
     targets: &Targets,
 ) -> PropagationRoute {
     let cost = Cost::of::<T>();
-    let pixels = pixels::<C>(&cost, levels, maps, targets);
+    let pixels = pixels::<C>(&cost, [source.side, 1 << levels], maps, targets);
     // What an f64 table loses to small scales is not seen in f32.
     let most = if size_of::<T>() == 4 { 1e6 } else { 16.0 };
     let lookups = match (maps[0].scale() * maps[1].scale()).abs() * most >= 1.0 {
@@ -100,19 +105,23 @@ pub(super) fn choose<T: Real, const C: usize>(
 }
 
 /// Weights of the two bands, rows of their sums, the transform, and the choice of the targets.
+///
+/// Between different sides the first pass combines rows as long as the source, and transforms them.
 #[inline(always)]
-fn pixels<const C: usize>(cost: &Cost, levels: u32, maps: [AffineMap; 2], targets: &Targets) -> f64 {
-    let (side, channels) = ((1u64 << levels) as f64, C as f64);
+fn pixels<const C: usize>(cost: &Cost, [from, side]: [usize; 2], maps: [AffineMap; 2], targets: &Targets) -> f64 {
+    let (side, from, channels) = (side as f64, from as f64, C as f64);
     let weights = |map: AffineMap| {
         let (s, o) = (map.scale().abs(), map.offset());
         let low = if map.scale() < 0.0 { o - s } else { o };
         // Rows whose cell sees the source, and the weights of each.
         let seen = ((low + s).min(1.0) - low.max(0.0)).max(0.0);
-        (seen + 1.5 * seen / s) * side
+        seen * from + 1.5 * seen / s * side
     };
-    let weights = weights(maps[0]) + weights(maps[1]);
+    let weights = maps.map(weights);
+    let rows = from * weights[0] + side * weights[1];
+    let pixels = 0.5 * side * (from + side);
     let gather = if targets.chosen.is_some() { 0.5 * targets.len() as f64 } else { 0.0 };
-    500.0 + 0.4 * weights + channels * (cost.pixel * side * side + 0.32 * cost.fused * side * weights + gather)
+    500.0 + 0.4 * (weights[0] + weights[1]) + channels * (cost.pixel * pixels + 0.32 * cost.fused * rows + gather)
 }
 
 /// Couplings of the functions that occur; their products with the terms; the second pass, over all targets or the
@@ -127,8 +136,8 @@ fn two_pass<T: Real, const C: usize>(
 ) -> f64 {
     let (side, channels, terms) = ((1u64 << levels) as f64, C as f64, &source.terms);
     let log = maps.map(log_scale);
-    let entries = [0, 1].map(|axis| 3.0 * terms.functions[axis].finer(log[axis]));
-    let scatter = 3.0 * terms.by_level.finer(log[0]);
+    let entries = [0, 1].map(|axis| 3.0 * terms.functions[axis].finer(levels, log[axis]));
+    let scatter = 3.0 * terms.by_level.finer(levels, log[0]);
     let functions = (terms.along[0].len() + terms.along[1].len()) as f64;
     let first = 29.0 * functions + 1.7 * (entries[0] + entries[1]);
     let half = channels * (0.65 * scatter + 0.25 * side * terms.along[1].len() as f64);
@@ -153,7 +162,7 @@ fn products<T: Real, const C: usize>(
 ) -> f64 {
     let (channels, terms) = (C as f64, &source.terms);
     let log = log_scale(maps[0]).min(log_scale(maps[1]));
-    let products = 6.0 * terms.by_level.cells(log) + 15.0 * terms.by_level.finer(log);
+    let products = 6.0 * terms.by_level.cells(levels, log) + 15.0 * terms.by_level.finer(levels, log);
     let visits = 32.0 * terms.index.len() as f64 * f64::from(levels);
     visits + (1.9 + 0.1 * channels) * products + 0.14 * channels * targets.len() as f64
 }

@@ -2,15 +2,18 @@
 
 mod band;
 mod cost;
+mod lists;
 mod lookups;
 mod pixels;
 mod source;
 mod targets;
+mod vertices;
 mod wavelets;
 
 use pulp::Arch;
 
 use band::{Band, Weights};
+pub use lists::TargetLists;
 use pixels::{Resample, Scatter};
 pub use source::PropagationSource;
 pub use targets::Targets;
@@ -51,17 +54,21 @@ pub enum Axis {
     Y,
 }
 
-/// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y) for images of one side, in the wavelet domain.
+/// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y), in the wavelet domain, for sources of one side and targets of one side.
 ///
 /// ```math
 /// L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
 /// ```
 ///
-/// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of this side. A light's coefficients are
-/// prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its
+/// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of the target's side. A light's
+/// coefficients are prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its
 /// [`Targets`].
 ///
-/// Shapes: coefficients `side`², flat index of the decomposition; `out`: C planes, one value a target.
+/// The two sides are one, by [`new`](Self::new), or differ, by [`between`](Self::between): a light of 64² texels seen in
+/// 16² coefficients loses nothing but the details of the result that are finer.
+///
+/// Shapes: coefficients `source_side`² of the source and `side`² of the target, flat index of the decomposition; `out`: C
+/// planes, one value a target.
 /// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in
 /// `f64`, at a target pixel k that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
@@ -83,6 +90,7 @@ pub enum Axis {
 pub struct Propagation<T> {
     levels: u32,
     transform: Transform2d<T>,
+    source_transform: Transform2d<T>,
     arch: Arch,
 }
 
@@ -140,14 +148,45 @@ impl<T: Real> Propagation<T> {
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096.
     pub fn new(side: usize, decomposition: Decomposition) -> Result<Self> {
-        let levels = check_side(side)?;
-        Ok(Self { levels, transform: Transform2d::new(side, side, decomposition)?, arch: Arch::new() })
+        Self::between(side, side, decomposition)
     }
 
-    /// The side of an image.
+    /// A plan for sources of `source_side`² and targets of `side`² coefficients.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), of both sides.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::affine::{AffineMap, Propagation, PropagationScratch, PropagationSource, Targets};
+    /// use haarmonic::haar::Decomposition::Standard;
+    /// let source = PropagationSource::from_pixels(2, Standard, [&[0.0, 4.0, 0.0, 8.0]])?;
+    /// let (plan, mean) = (Propagation::between(2, 1, Standard)?, Targets::all(1, Standard)?);
+    /// let mut seen = [0.0];
+    /// plan.apply(&source, [AffineMap::IDENTITY; 2], &mean, [&mut seen], &mut PropagationScratch::new());
+    /// assert_eq!(seen, [3.0]);
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn between(source_side: usize, side: usize, decomposition: Decomposition) -> Result<Self> {
+        check_side(source_side)?;
+        Ok(Self {
+            levels: check_side(side)?,
+            transform: Transform2d::new(side, side, decomposition)?,
+            source_transform: Transform2d::new(source_side, source_side, decomposition)?,
+            arch: Arch::new(),
+        })
+    }
+
+    /// The side of the target's images.
     #[inline]
     pub fn side(&self) -> usize {
         1 << self.levels
+    }
+
+    /// The side of the source's image.
+    #[inline]
+    pub fn source_side(&self) -> usize {
+        self.source_transform.width()
     }
 
     /// The basis.
@@ -278,19 +317,40 @@ impl<T: Real> Propagation<T> {
     /// adjoint(g)⟩.
     ///
     /// # Panics
-    /// If a length is not `side`².
+    /// If the length of `cotangent` is not `side`², or that of `out` not `source_side`².
     #[track_caller]
     pub fn adjoint(&self, maps: [AffineMap; 2], cotangent: &[T], out: &mut [T], scratch: &mut PropagationScratch<T>) {
-        let area = self.side() * self.side();
-        check_length("cotangent", area, cotangent.len());
-        check_length("gradient", area, out.len());
+        check_length("cotangent", self.side() * self.side(), cotangent.len());
+        check_length("gradient", self.source_side() * self.source_side(), out.len());
+        self.adjoint_pixels(maps, cotangent, out, scratch);
+        self.adjoint_transform(out, scratch);
+    }
+
+    /// The adjoint but for the transform of the source: linear, so that many may be summed before it.
+    fn adjoint_pixels(
+        &self,
+        maps: [AffineMap; 2],
+        cotangent: &[T],
+        out: &mut [T],
+        scratch: &mut PropagationScratch<T>,
+    ) {
+        let sides @ [_, side] = [self.source_side(), self.side()];
         let PropagationScratch { bands, planes, transform, .. } = scratch;
-        planes.resize(2 * area, T::zero());
+        planes.resize(self.planes_len(), T::zero());
         transform.resize(self.transform.scratch_len(), T::zero());
-        // The transform is N times an isometry: with its factor, transpose and inverse cancel out.
-        self.transform.inverse(cotangent, out, transform);
-        self.arch.dispatch(Scatter { levels: self.levels, maps, bands, image: out, scratch: planes });
-        self.transform.forward_in_place(out, transform);
+        let planes: [&mut [T]; 2] = planes_of(planes, self.planes_len() / 2);
+        self.transform.inverse(cotangent, &mut planes[0][..side * side], transform);
+        self.arch.dispatch(Scatter { sides, maps, bands, out, planes });
+    }
+
+    /// A transform of side N is 1/N times an isometry: its transpose is N⁻² times its inverse.
+    fn adjoint_transform(&self, out: &mut [T], scratch: &mut PropagationScratch<T>) {
+        scratch.transform.resize(self.source_transform.scratch_len(), T::zero());
+        self.source_transform.forward_in_place(out, &mut scratch.transform);
+        if self.source_side() != self.side() {
+            let factor = T::of((self.source_side() as f64 / self.side() as f64).powi(2));
+            out.iter_mut().for_each(|g| *g *= factor);
+        }
     }
 
     /// L at the targets for many pairs of maps, in parallel: `out` holds, for each pair, C planes of one value a
@@ -323,13 +383,29 @@ impl<T: Real> Propagation<T> {
 
     #[track_caller]
     fn check<const C: usize>(&self, source: &PropagationSource<T, C>, targets: &Targets, out: &[&mut [T]; C]) {
-        check_length("side of the source", self.side(), source.side);
+        self.check_source(source);
         check_length("side of the targets", self.side(), targets.side);
-        let same = source.decomposition == self.decomposition() && targets.decomposition == self.decomposition();
-        assert!(same, "the source and the targets must have the plan's basis, {:?}", self.decomposition());
+        self.check_basis(targets.decomposition);
         for plane in out {
             check_length("target coefficients", targets.len(), plane.len());
         }
+    }
+
+    #[track_caller]
+    fn check_source<const C: usize>(&self, source: &PropagationSource<T, C>) {
+        check_length("side of the source", self.source_side(), source.side);
+        self.check_basis(source.decomposition);
+    }
+
+    #[track_caller]
+    fn check_basis(&self, decomposition: Decomposition) {
+        let basis = self.decomposition();
+        assert!(decomposition == basis, "the source and the targets must have the plan's basis, {basis:?}");
+    }
+
+    /// Two planes of the larger side.
+    fn planes_len(&self) -> usize {
+        2 * self.side().max(self.source_side()).pow(2)
     }
 
     fn resample<const C: usize>(
@@ -342,14 +418,14 @@ impl<T: Real> Propagation<T> {
         scratch: &mut PropagationScratch<T>,
     ) {
         let PropagationScratch { bands, planes, result, transform, .. } = scratch;
-        let (levels, decomposition) = (self.levels, self.decomposition());
+        let (sides, decomposition) = ([self.source_side(), self.side()], self.decomposition());
         let area = self.side() * self.side();
-        planes.resize(2 * area, T::zero());
+        planes.resize(self.planes_len(), T::zero());
         transform.resize(self.transform.scratch_len(), T::zero());
         let mut run = |out: [&mut [T]; C]| {
             let scratch = (&mut planes[..], &mut transform[..]);
             let source = &source.pixels;
-            self.arch.dispatch(Resample { levels, decomposition, maps, weights, bands, source, out, scratch });
+            self.arch.dispatch(Resample { sides, decomposition, maps, weights, bands, source, out, scratch });
         };
         let Some(chosen) = &targets.chosen else { return run(out) };
         result.resize(C * area, T::zero());

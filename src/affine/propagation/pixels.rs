@@ -9,15 +9,16 @@ use crate::haar::{Decomposition, transform_kernels as kernels};
 
 /// Image after image: transposed source pixels to coefficients.
 pub(super) struct Resample<'a, T, const C: usize> {
-    pub(super) levels: u32,
+    /// Of the source and of the target.
+    pub(super) sides: [usize; 2],
     pub(super) decomposition: Decomposition,
     pub(super) maps: [AffineMap; 2],
     pub(super) weights: [Weights; 2],
     pub(super) bands: &'a mut [Band<T>; 2],
-    /// Planes of the source, pixel (x, y) at x·side + y.
+    /// Planes of the source, pixel (x, y) at x times its side + y.
     pub(super) source: &'a [T],
     pub(super) out: [&'a mut [T]; C],
-    /// Two planes, and a mean pyramid.
+    /// Two planes of the larger side, and a mean pyramid of the target.
     pub(super) scratch: (&'a mut [T], &'a mut [T]),
 }
 
@@ -26,24 +27,25 @@ impl<T: Real, const C: usize> WithSimd for Resample<'_, T, C> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { levels, decomposition, maps, weights, bands, source, out, scratch: (planes, pyramid) } = self;
-        let side = 1usize << levels;
+        let Self { sides: [from, side], decomposition, maps, weights, bands, source, out, scratch } = self;
+        let (planes, pyramid) = scratch;
+        let (levels, half, area) = (side.ilog2(), side * from, side * side);
         for axis in 0..2 {
-            bands[axis].set(side, maps[axis], weights[axis]);
+            bands[axis].set(from, side, maps[axis], weights[axis]);
         }
-        let (first, second) = planes[..2 * side * side].split_at_mut(side * side);
-        for (source, out) in source.chunks_exact(side * side).zip(out) {
-            bands[0].combine(side, source, first);
+        let (first, second) = planes.split_at_mut(planes.len() / 2);
+        for (source, out) in source.chunks_exact(from * from).zip(out) {
+            bands[0].combine(from, source, &mut first[..half]);
             if decomposition == Decomposition::Standard {
                 // Along x while x is the slow axis: whole rows at a time.
-                kernels::columns_forward(levels, side, first, second);
-                transpose(side, second, first);
-                bands[1].combine(side, first, second);
-                kernels::columns_forward(levels, side, second, out);
+                kernels::columns_forward(levels, from, &mut first[..half], &mut second[..half]);
+                transpose([side, from], &second[..half], &mut first[..half]);
+                bands[1].combine(side, &first[..half], &mut second[..area]);
+                kernels::columns_forward(levels, side, &mut second[..area], out);
             } else {
-                transpose(side, first, second);
-                bands[1].combine(side, second, first);
-                kernels::nonstandard_forward(levels, first, out, pyramid);
+                transpose([side, from], &first[..half], &mut second[..half]);
+                bands[1].combine(side, &second[..half], &mut first[..area]);
+                kernels::nonstandard_forward(levels, &first[..area], out, pyramid);
             }
         }
     }
@@ -51,12 +53,13 @@ impl<T: Real, const C: usize> WithSimd for Resample<'_, T, C> {
 
 /// The transpose of one image's resampling between pixels: row-major target to row-major source.
 pub(super) struct Scatter<'a, T> {
-    pub(super) levels: u32,
+    /// Of the source and of the target.
+    pub(super) sides: [usize; 2],
     pub(super) maps: [AffineMap; 2],
     pub(super) bands: &'a mut [Band<T>; 2],
-    pub(super) image: &'a mut [T],
-    /// Two planes.
-    pub(super) scratch: &'a mut [T],
+    pub(super) out: &'a mut [T],
+    /// Two planes of the larger side, the first of which begins with the target.
+    pub(super) planes: [&'a mut [T]; 2],
 }
 
 impl<T: Real> WithSimd for Scatter<'_, T> {
@@ -64,36 +67,35 @@ impl<T: Real> WithSimd for Scatter<'_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { levels, maps, bands, image, scratch } = self;
-        let side = 1usize << levels;
+        let Self { sides: [from, side], maps, bands, out, planes: [first, second] } = self;
+        let half = side * from;
         for axis in 0..2 {
-            bands[axis].set(side, maps[axis], Weights::Value);
+            bands[axis].set(from, side, maps[axis], Weights::Value);
         }
-        let (first, second) = scratch[..2 * side * side].split_at_mut(side * side);
-        bands[1].scatter(side, image, first);
-        transpose(side, first, second);
-        bands[0].scatter(side, second, first);
-        transpose(side, first, image);
+        bands[1].scatter(side, first, &mut second[..half]);
+        transpose([from, side], &second[..half], &mut first[..half]);
+        bands[0].scatter(from, &first[..half], &mut second[..from * from]);
+        transpose([from, from], &second[..from * from], out);
     }
 }
 
-/// dst[x][y] = src[y][x].
+/// dst[x][y] = src[y][x], for y < height and x < width, powers of two.
 #[inline(always)]
-pub(super) fn transpose<T: Real>(side: usize, src: &[T], dst: &mut [T]) {
+pub(super) fn transpose<T: Real>([height, width]: [usize; 2], src: &[T], dst: &mut [T]) {
     const BLOCK: usize = 8;
-    if side < BLOCK {
-        for y in 0..side {
-            for x in 0..side {
-                dst[x * side + y] = src[y * side + x];
+    if height.min(width) < BLOCK {
+        for y in 0..height {
+            for x in 0..width {
+                dst[x * height + y] = src[y * width + x];
             }
         }
         return;
     }
-    for y in (0..side).step_by(BLOCK) {
-        for x in (0..side).step_by(BLOCK) {
+    for y in (0..height).step_by(BLOCK) {
+        for x in (0..width).step_by(BLOCK) {
             let mut block = [[T::zero(); BLOCK]; BLOCK];
             for (k, row) in block.iter_mut().enumerate() {
-                *row = src[(y + k) * side + x..].as_chunks::<BLOCK>().0[0];
+                *row = src[(y + k) * width + x..].as_chunks::<BLOCK>().0[0];
             }
             let mut turned = [[T::zero(); BLOCK]; BLOCK];
             for j in 0..BLOCK {
@@ -102,7 +104,7 @@ pub(super) fn transpose<T: Real>(side: usize, src: &[T], dst: &mut [T]) {
                 }
             }
             for (k, row) in turned.iter().enumerate() {
-                dst[(x + k) * side + y..].as_chunks_mut::<BLOCK>().0[0] = *row;
+                dst[(x + k) * height + y..].as_chunks_mut::<BLOCK>().0[0] = *row;
             }
         }
     }

@@ -20,7 +20,7 @@ pub struct Targets {
     pub(super) chosen: Option<Chosen>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Chosen {
     /// Flat indices, strictly ascending.
     pub(super) index: Vec<u32>,
@@ -59,44 +59,80 @@ impl Targets {
     /// # Errors
     /// As [`all`](Self::all); [`Error::OutOfRange`] unless the indices ascend strictly and are below `side`².
     pub fn new(side: usize, decomposition: Decomposition, indices: &[u32]) -> Result<Self> {
-        super::check_side(side)?;
+        let mut targets = Self::all(side, decomposition)?;
+        targets.set(indices)?;
+        Ok(targets)
+    }
+
+    /// Wants other coefficients of the same images, as [`new`](Self::new), in the memory that is there: it grows to the
+    /// longest list so far (nonstandard basis: and a number a pixel), then nothing is allocated.
+    ///
+    /// Cost: proportional to the lists, the one before and this one.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the indices ascend strictly and are below `side`²; the list before stays, then.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::affine::Targets;
+    /// use haarmonic::haar::Decomposition::Standard;
+    /// let mut targets = Targets::new(32, Standard, &[0, 1, 32, 33])?;
+    /// targets.set(&[0, 7])?;
+    /// assert_eq!(targets, Targets::new(32, Standard, &[0, 7])?);
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn set(&mut self, indices: &[u32]) -> Result<()> {
+        self.check(indices)?;
+        self.set_checked(indices);
+        Ok(())
+    }
+
+    /// Whether the indices ascend strictly and are of the image.
+    pub(super) fn check(&self, indices: &[u32]) -> Result<()> {
         let mut next = 0u64;
         for &i in indices {
-            if u64::from(i) < next || i as usize >= side * side {
+            if u64::from(i) < next || i as usize >= self.side * self.side {
                 let allowed = "above the index before it and below the image's area";
                 return Err(Error::OutOfRange { what: "target index", got: f64::from(i), allowed });
             }
             next = u64::from(i) + 1;
         }
-        let (mut rows, mut place) = (Vec::new(), Vec::new());
-        match decomposition {
+        Ok(())
+    }
+
+    /// As [`set`](Self::set), of indices that are known to ascend and to be of the image.
+    pub(in crate::affine) fn set_checked(&mut self, indices: &[u32]) {
+        let (side, chosen) = (self.side, self.chosen.get_or_insert_default());
+        match self.decomposition {
             Decomposition::Standard => {
+                chosen.rows.clear();
                 for (at, &i) in indices.iter().enumerate() {
-                    let k = i / side as u32;
-                    match rows.last_mut() {
+                    let k = i >> side.ilog2();
+                    match chosen.rows.last_mut() {
                         Some((row, end)) if *row == k => *end = at as u32 + 1,
-                        _ => rows.push((k, at as u32 + 1)),
+                        _ => chosen.rows.push((k, at as u32 + 1)),
                     }
                 }
             }
             Decomposition::Nonstandard => {
-                place.resize(side * side, 0);
+                chosen.place.resize(side * side, 0);
+                for &i in &chosen.index {
+                    chosen.place[i as usize] = 0;
+                }
                 for (at, &i) in indices.iter().enumerate() {
-                    place[i as usize] = at as u32 + 1;
+                    chosen.place[i as usize] = at as u32 + 1;
                 }
             }
         }
-        let (mut whole_rows, mut alone, mut begin) = (0, 0, 0);
-        for &(_, end) in &rows {
+        chosen.index.clear();
+        chosen.index.extend_from_slice(indices);
+        (chosen.whole_rows, chosen.alone) = (0, 0);
+        let mut begin = 0;
+        for &(_, end) in &chosen.rows {
             let wanted = (end - begin) as usize;
             begin = end;
-            if is_sparse_row(side, wanted) { alone += wanted } else { whole_rows += 1 }
+            if is_sparse_row(side, wanted) { chosen.alone += wanted } else { chosen.whole_rows += 1 }
         }
-        Ok(Self {
-            side,
-            decomposition,
-            chosen: Some(Chosen { index: indices.to_vec(), rows, place, whole_rows, alone }),
-        })
     }
 
     /// How many targets there are.

@@ -28,4 +28,4 @@ pub use integrals::{
     canonical, coupling_1d, coupling_nonstandard, coupling_slope_1d, coupling_standard, double_product, pixel_coupling,
     pixel_tripling, triple_product, tripling_1d, tripling_nonstandard, tripling_standard,
 };
-pub use resample::{resample_1d, resample_2d, resample_light_field};
+pub use resample::{resample_1d, resample_2d, resample_between_1d, resample_between_2d, resample_light_field};
