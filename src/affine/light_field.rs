@@ -4,7 +4,10 @@ use super::{AffineMap, TripleNonzeros1d};
 use crate::approx_eq::approx_by_parts;
 use crate::error::check_length;
 use crate::haar::SparseVector;
-use crate::{Error, Real, Result};
+use crate::{Error, Real, Result, parallel};
+
+/// Vertices that a task of a batch takes at a time.
+const TOGETHER: usize = 16;
 
 /// The light of a light field that arrives at a point.
 ///
@@ -124,6 +127,45 @@ impl LightField {
                 }
             }
         }
+    }
+
+    /// [`propagate`](Self::propagate) to many vertices, in parallel: of vertex v, `out` holds `size` coefficients from
+    /// v·`size` on.
+    ///
+    /// The same bits for any number of threads, and as of one vertex.
+    ///
+    /// # Panics
+    /// If the field's length is not `size`², or `out.len()` not maps × `size`.
+    #[track_caller]
+    pub fn propagate_batch<T: Real>(self, field: &SparseVector<T>, maps: &[AffineMap], out: &mut [T]) {
+        let size = self.size();
+        check_length("light field", size * size, field.len());
+        check_length("arriving light of a batch", maps.len() * size, out.len());
+        parallel::rows(out, size, TOGETHER, |v, out| self.propagate(field, maps[v], out));
+    }
+
+    /// [`propagate_in_space`](Self::propagate_in_space) to many vertices, in parallel: of vertex v, `out` holds `size`²
+    /// coefficients of all channels from v·`size`² on.
+    ///
+    /// The same bits for any number of threads, and as of one vertex.
+    ///
+    /// # Panics
+    /// If `out.len()` is not maps × `size`², or an index of a term not below the size.
+    #[track_caller]
+    pub fn propagate_in_space_batch<T: Real, const C: usize>(
+        self,
+        field: &[LightFieldTerm<T, C>],
+        maps: &[[AffineMap; 2]],
+        out: &mut [[T; C]],
+    ) {
+        let area = self.size() * self.size();
+        check_length("arriving light of a batch", maps.len() * area, out.len());
+        for term in field {
+            let indices = [term.plane, term.direction];
+            let inside = indices.as_flattened().iter().all(|&i| (i as usize) < self.size());
+            assert!(inside, "light field: an index of {indices:?} is not below {}", self.size());
+        }
+        parallel::rows(out, area, TOGETHER, |v, out| self.propagate_in_space(field, maps[v], out));
     }
 
     #[track_caller]

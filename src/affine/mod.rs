@@ -19,6 +19,8 @@
 //! | a light, thousands of places | its image at each, or a part of it | [`Propagation`], which picks the cheapest of three routes |
 //! | a light's place to be optimised | the gradient of any function of its image | [`Propagation::gradient`] |
 //! | no time for all targets | those that will matter | [`Prediction`] → [`Targets`] |
+//! | many vertices, each with targets of its own | the light of each | [`Propagation::apply_lists`], with [`TargetLists`] |
+//! | a transport vector a vertex | what each sends on, its light not stored | [`Propagation::inner_products`] |
 //! | memory, few (s, o) | couplings looked up | [`StoredCouplings`] |
 //! | sparse F, G, W | ∫ F(s v + o) G W dv and its gradient | [`AffineProduct1d`], [`AffineProduct2d`] |
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |

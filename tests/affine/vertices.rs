@@ -2,8 +2,10 @@
 
 use crate::frames::allocations;
 use crate::support::{assert_close, map, random};
-use haarmonic::affine::{AffineMap, Propagation, PropagationScratch, PropagationSource, TargetLists, Targets};
-use haarmonic::haar::{Decomposition, forward_2d};
+use haarmonic::affine::{
+    AffineMap, LightField, LightFieldTerm, Propagation, PropagationScratch, PropagationSource, TargetLists, Targets,
+};
+use haarmonic::haar::{Decomposition, SparseVector, forward_2d};
 use haarmonic::reference::affine as naive;
 
 const BASES: [Decomposition; 2] = [Decomposition::Standard, Decomposition::Nonstandard];
@@ -132,7 +134,7 @@ fn adjoints_of_lists_are_transposes() {
                     plan.apply_lists(&source, &maps, &lists, &mut l);
                     plan.inner_products(&source, &maps, &lists, &transport, &mut products);
                     let mut back = [(); 3].map(|()| vec![f64::NAN; from * from]);
-                    let mut check = |want: f64, size: f64, back: &[Vec<f64>; 3], what: &str| {
+                    let check = |want: f64, size: f64, back: &[Vec<f64>; 3], what: &str| {
                         let terms = || coefs.iter().flatten().zip(back.iter().flatten()).map(|(f, g)| f * g);
                         let size = size + terms().map(f64::abs).sum::<f64>();
                         let what = format!("{what}, {basis:?}, {from} to {side}, {vertices} vertices");
@@ -246,6 +248,7 @@ fn lists_that_do_not_fit_are_refused() {
     }
     assert!(TargetLists::new(3, Decomposition::Standard, &[0], &[]).is_err());
     assert!(TargetLists::all(8192, Decomposition::Standard, 1).is_err());
+    assert!(TargetLists::all(4, Decomposition::Standard, usize::MAX).is_err());
 }
 
 #[test]
@@ -255,4 +258,42 @@ fn a_vertex_without_maps_panics() {
     let plan = Propagation::new(4, Decomposition::Standard).unwrap();
     let lists = TargetLists::all(4, Decomposition::Standard, 2).unwrap();
     plan.apply_lists(&source, &places(1), &lists, &mut [0.0; 96]);
+}
+
+#[test]
+fn batches_of_light_fields_are_one_by_one_to_the_bit() {
+    for size in [1usize, 2, 16] {
+        let plan = LightField::new(size).unwrap();
+        let field = SparseVector::from_dense(&random(size * size, 61));
+        let terms: Vec<LightFieldTerm<f64, 3>> = (0..30u32)
+            .map(|n| {
+                let index = |k: u32| (n * k + 1) % size as u32;
+                let value = [0, 1, 2].map(|c| f64::from(n * 7 % 5) - f64::from(c));
+                LightFieldTerm { plane: [index(3), index(5)], direction: [index(7), index(11)], value }
+            })
+            .collect();
+        for count in [0, 1, 15, 16, 17, 100] {
+            let maps = places(count);
+            let along: Vec<AffineMap> = maps.iter().map(|maps| maps[0]).collect();
+            let mut got = vec![f64::NAN; count * size];
+            plan.propagate_batch(&field, &along, &mut got);
+            let mut in_space = vec![[f64::NAN; 3]; count * size * size];
+            plan.propagate_in_space_batch(&terms, &maps, &mut in_space);
+            for v in 0..count {
+                let (mut want, mut want_in_space) = (vec![0.0; size], vec![[0.0; 3]; size * size]);
+                plan.propagate(&field, along[v], &mut want);
+                plan.propagate_in_space(&terms, maps[v], &mut want_in_space);
+                assert_eq!(got[v * size..][..size], want, "{size}, {count}, {v}");
+                assert_eq!(in_space[v * size * size..][..size * size], want_in_space, "{size}, {count}, {v}");
+            }
+            assert!(count < 15 || got.iter().any(|l| *l != 0.0) && in_space.iter().flatten().any(|l| *l != 0.0));
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "is not below 8")]
+fn a_term_outside_of_a_light_field_panics_in_a_batch() {
+    let outside = LightFieldTerm { plane: [0, 0], direction: [0, 8], value: [1.0] };
+    LightField::new(8).unwrap().propagate_in_space_batch(&[outside], &places(1), &mut [[0.0]; 64]);
 }

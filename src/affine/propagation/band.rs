@@ -2,7 +2,8 @@
 //!
 //! Of M source and N target cells, and in cells of the target, source cell m lies between b_m and b_{m+1}, b_m = (m − M
 //! o)/s', with s' = s M/N the source cells of a target cell. Its weight in target cell k is the overlap of the two: the
-//! average of F(s v + o) over the cell is the weighted sum, exactly. A target cell meets at most ⌈|s'|⌉ + 1 source cells.
+//! average of F(s v + o) over the cell is the weighted sum, exactly. A target cell meets at most ⌈|s'|⌉ + 1 source
+//! cells.
 
 use std::ops::Range;
 
@@ -133,8 +134,8 @@ fn at_border(end: f64, k: f64) -> bool {
     (end - k).abs() <= near || (end - k - 1.0).abs() <= near
 }
 
-/// The slope of the weight of source cell i in target cell k, with the sides of all ends decided without rounding; `map`
-/// takes cells to cells.
+/// The slope of the weight of source cell i in target cell k, with the sides of all ends decided without rounding;
+/// `map` takes cells to cells.
 #[cold]
 fn slope_at_border([sources, targets]: [usize; 2], i: usize, k: usize, map: AffineMap, parameter: Parameter) -> f64 {
     let along = match parameter {

@@ -31,9 +31,13 @@ impl TargetLists {
     /// All coefficients of `side`² images for each of `vertices`, in flat order.
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096.
+    /// [`Error::NotPowerOfTwo`] unless `side` is one; [`Error::OutOfRange`] above 4096, and above 2⁴⁰ targets.
     pub fn all(side: usize, decomposition: Decomposition, vertices: usize) -> Result<Self> {
         super::check_side(side)?;
+        if vertices > (1 << 40) / (side * side) {
+            let allowed = "such that there are at most 2⁴⁰ targets";
+            return Err(Error::OutOfRange { what: "vertices of lists of targets", got: vertices as f64, allowed });
+        }
         Ok(Self { side, decomposition, vertices, chosen: None })
     }
 

@@ -54,21 +54,22 @@ pub enum Axis {
     Y,
 }
 
-/// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y), in the wavelet domain, for sources of one side and targets of one side.
+/// Plan of L(x, y) = F(s_x x + o_x, s_y y + o_y) in the wavelet domain, for sources of one side and targets of another
+/// or the same.
 ///
 /// ```math
 /// L_k(s, o) = Σ_i F_i D_ik(s, o)                                              [Sun 2008, eq. 4.35]
 /// ```
 ///
 /// F is 0 outside [0, 1)²; L is the L² projection, exact against every image of the target's side. A light's
-/// coefficients are prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part of L matters, its
-/// [`Targets`].
+/// coefficients are prepared once ([`PropagationSource`]); then each place has its pair of maps and, where only a part
+/// of L matters, its [`Targets`].
 ///
-/// The two sides are one, by [`new`](Self::new), or differ, by [`between`](Self::between): a light of 64² texels seen in
-/// 16² coefficients loses nothing but the details of the result that are finer.
+/// The two sides are one, by [`new`](Self::new), or differ, by [`between`](Self::between): a light of 64² texels seen
+/// in 16² coefficients loses nothing but the details of the result that are finer.
 ///
-/// Shapes: coefficients `source_side`² of the source and `side`² of the target, flat index of the decomposition; `out`: C
-/// planes, one value a target.
+/// Shapes: coefficients `source_side`² of the source and `side`² of the target, flat index of the decomposition;
+/// `out`: C planes, one value a target.
 /// Accuracy: a few ε of max |F| at every scale, by any route but for the caveat of [`PropagationRoute::Lookups`]; in
 /// `f64`, at a target pixel k that an end of a source pixel falls into, k ε: ends are rounded by ε of their place.
 /// Cost: [`route`](Self::route) picks by a fixed model of counts, never by timing. See docs/performance.md.
