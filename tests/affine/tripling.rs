@@ -355,12 +355,12 @@ fn standard_gradients_are_right_hand_slopes() {
                     let beside = |map| if q == 0 { [map, maps[1]] } else { [maps[0], map] };
                     let want = right_gradient(maps[q], |map| naive::tripling_standard(&i, &j, &k, &beside(map)));
                     for (got, want) in got[q].into_iter().zip(want) {
-                        assert_close(got, want, 1e-7, &format!("{i:?} {j:?} {k:?}, axis {q}, {maps:?}"));
+                        assert_close(got, want, 1.5e-9, &format!("{i:?} {j:?} {k:?}, axis {q}, {maps:?}"));
                     }
                     if k == [0, 0] {
                         let want = right_gradient(maps[q], |map| naive::coupling_standard(&i, &j, &beside(map)));
                         for (got, want) in coupled[q].into_iter().zip(want) {
-                            assert_close(got, want, 1e-7, &format!("{i:?} {j:?}, axis {q}, {maps:?}"));
+                            assert_close(got, want, 1.5e-9, &format!("{i:?} {j:?}, axis {q}, {maps:?}"));
                         }
                     }
                 }

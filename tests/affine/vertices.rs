@@ -112,7 +112,8 @@ fn inner_products_are_those_of_the_twin() {
                     want += f64::from(t) * seen[k as usize];
                     size += f64::from(t).powi(2);
                 }
-                let tolerance = 4.0 * f64::from(f32::EPSILON) * f64::sqrt(size);
+                // Worst seen: .04 ε of the transport's norm.
+                let tolerance = 0.1 * f64::from(f32::EPSILON) * f64::sqrt(size);
                 assert_close(f64::from(out[v][0]), want, tolerance, &format!("{basis:?}, vertex {v}"));
             }
         }
@@ -189,7 +190,7 @@ fn gradients_of_vertices_are_differences() {
                 let [one, two] = [moved(h), moved(2.0 * h)];
                 for v in 0..vertices {
                     let want = (4.0 * loss(&one, v) - loss(&two, v) - 3.0 * loss(&maps, v)) / (2.0 * h);
-                    assert_close(got[v][axis][parameter], want, 2e-7, &format!("{basis:?}, {v}, {axis}, {parameter}"));
+                    assert_close(got[v][axis][parameter], want, 4e-9, &format!("{basis:?}, {v}, {axis}, {parameter}"));
                 }
             }
         }
