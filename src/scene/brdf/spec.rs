@@ -24,7 +24,8 @@ use crate::{Error, Result};
 /// | `merl:FILE` | [`Merl`]; FILE is the rest of the string |
 ///
 /// An albedo is one number or three, `0.8,0.3,0.2`. Forms joined by `+` are summed; one without an albedo (`ggx`,
-/// `beckmann` and `ashikhmin` always) gets in equal shares what the others leave of 1, so that a sum never reflects more than it gets.
+/// `beckmann` and `ashikhmin` always) gets in equal shares what the others leave of 1, so that a sum never reflects
+/// more than it gets.
 ///
 /// # Example
 /// ```

@@ -94,11 +94,12 @@ impl LocalTruth<'_> {
         let normal = *shading.axes.normal();
         // Light is that at the vertex; only rays start a little off the surface.
         let position = self.mesh.positions()[vertex].cast::<f64>();
+        let off = 2.0 * (start - position).norm();
         let mut sum = Vector3::zeros();
         for light in self.lights {
             light.sample(&position, samples, |part| {
                 let is_hidden = || {
-                    let ends = part.distance * SHORT_OF_THE_LAMP;
+                    let ends = (part.distance - off) * SHORT_OF_THE_LAMP;
                     self.occluders.is_some_and(|o| o.any_hit_within(start, &part.direction, ends))
                 };
                 if normal.dot(&part.direction) <= 0.0 || is_hidden() {
