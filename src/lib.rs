@@ -124,7 +124,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! | an environment, few numbers | its harmonics and irradiance | [`sh::CubeProjection`], [`sh::Irradiance`] |
 //! | harmonics and rotations | them rotated | [`sh::Rotation`] for many vectors, [`sh::Rotator`] for many rotations |
 //! | a lamp with corners | its harmonics from any point | [`sh::PolygonLight`] |
-//! | blockers that move | their common visibility | [`sh::CapLog`], [`sh::Exponential`] |
+//! | blockers that move | their common visibility | [`sh::CapLog`], [`sh::CapSum`], [`sh::Exponential`] |
 //! | a light in blocks, smooth reflectance | their product, cheaply | [`dct::BlockDct`], [`dct::LowProjection`] |
 //! | an image, many rectangles | the integral over each | [`table::SummedArea`] |
 //! | a visibility map, many squares | the share of each that is seen | [`table::VisibilityDistance`] |

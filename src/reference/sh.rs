@@ -21,4 +21,4 @@ pub use project::{
     reconstruct, sampled_minimum,
 };
 pub use rotation::{rotate, rotation};
-pub use zonal::{legendre, project_cap, zonal_factors};
+pub use zonal::{cap_sum, legendre, project_cap, sphere_cap, zonal_factors};

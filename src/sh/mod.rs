@@ -25,11 +25,12 @@
 //! | one vector at a time, of 1 to 8 bands | values, products, rotations and integrals of arrays, without a plan | [`Expansion`] |
 //! | two expansions | their product to any number of bands; one of them as a matrix; many pairs | [`Product`] |
 //! | one | its square | [`Square`] |
-//! | three | ∫ f g h | [`Product::integral`] |
+//! | three | ∫ f g h | [`Product::integral`]; many, in RGB, [`Product::integral_batch`] |
 //! | a function of the angle to an axis: cosine, lobe, cap, von Mises–Fisher | its coefficients about any axis; convolution with it | [`Zonal`] |
 //! | a sun, a sky, a glowing ball | its coefficients, in the units you mean | [`Lights`] |
 //! | a polygon that glows | its coefficients from any point, clipped by the horizon | [`PolygonLight`] |
-//! | radiance | irradiance for many normals; with a visibility for each | [`Irradiance`]; [`DiffuseLight`] and its table |
+//! | radiance | irradiance for many normals; with a visibility for each | [`Irradiance`]; [`DiffuseLight`], its batches and its table |
+//! | many discs or spheres in the way | the sum of their logarithms | [`CapSum`] |
 //! | logarithms of visibility, added up | the visibility: exp | [`Exponential`], whose page says by which method |
 //! | visibility | its logarithm | [`Logarithm`]; of a disc by its angle, tabulated, [`CapLog`] |
 //! | one, and any function h | h of it | [`GridFunction`]; by products [`ProductSeries`], [`ProductSpectrum`] |
@@ -41,6 +42,7 @@
 //! azimuth by (x + iy)^m. Limits: `bands` ≤ 128 in `f32`, 1024 in `f64` ([`Basis::max_bands`] says why).
 
 mod basis;
+mod cap_sum;
 mod convention;
 mod diffuse_probe;
 mod expansion;
@@ -55,6 +57,7 @@ mod rotate;
 mod zonal;
 
 pub use basis::{Basis, associated_legendre, eval};
+pub use cap_sum::CapSum;
 pub use convention::{Convention, Layout, Normalization, Phase, from_complex, to_complex};
 pub use diffuse_probe::DiffuseProbe;
 pub use expansion::Expansion;

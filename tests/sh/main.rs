@@ -4,6 +4,7 @@
 #![cfg(all(feature = "reference", feature = "proptest"))]
 
 mod basis;
+mod cap_sum;
 mod edges;
 mod exp_log;
 mod expansion;

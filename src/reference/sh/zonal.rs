@@ -45,6 +45,28 @@ pub fn zonal_factors(bands: usize, breaks: &[f64], f: impl Fn(f64) -> f64) -> Ve
     sums
 }
 
+/// Σ_j √(4π/(2l+1)) f_l(θ_j) y_lm(ω_j): zonal functions, given by their coefficients (l, 0) for an angle, about
+/// directions.
+pub fn cap_sum(bands: usize, f: impl Fn(f64) -> Vec<f64>, caps: &[(UnitVector3<f64>, f64)]) -> Vec<f64> {
+    let mut out = vec![0.0; bands * bands];
+    for (direction, angle) in caps {
+        let zonal = f(*angle);
+        for (i, (out, y)) in out.iter_mut().zip(basis(bands, direction)).enumerate() {
+            let l = i.isqrt();
+            *out += (4.0 * PI / (2 * l + 1) as f64).sqrt() * zonal[l] * y;
+        }
+    }
+    out
+}
+
+/// The cap that a sphere is from the origin: the direction to its centre and its angular radius, π/2 at the surface and
+/// within. At the centre there is no direction.
+pub fn sphere_cap(centre: &Vector3<f64>, radius: f64) -> Option<(UnitVector3<f64>, f64)> {
+    let distance = centre.norm();
+    let direction = UnitVector3::try_new(*centre, 0.0)?;
+    Some((direction, (radius.max(0.0) / distance).min(1.0).asin()))
+}
+
 /// ∫ f(ω) y_i(ω) dω, all i of `bands`, over the directions within `half_angle` of an axis, by a rule exact for f of
 /// `degree`.
 ///

@@ -283,7 +283,7 @@ impl<T: Real> Basis<T> {
     }
 }
 
-const fn is_narrow<T>() -> bool {
+pub(in crate::sh) const fn is_narrow<T>() -> bool {
     size_of::<T>() == 4
 }
 
@@ -311,7 +311,7 @@ impl<J: Job> WithSimd for Batch<J> {
 
 /// L values from `first`, padded with `pad` beyond the end.
 #[inline(always)]
-fn load<T: Real, const L: usize>(values: &[T], first: usize, pad: T) -> [T; L] {
+pub(in crate::sh) fn load<T: Real, const L: usize>(values: &[T], first: usize, pad: T) -> [T; L] {
     let rest = &values[first..];
     match rest.first_chunk::<L>() {
         Some(block) => *block,
@@ -325,7 +325,7 @@ fn load<T: Real, const L: usize>(values: &[T], first: usize, pad: T) -> [T; L] {
 
 /// L points from `first`, padded with the north pole.
 #[inline(always)]
-fn load_points<T: Real, const L: usize>(d: [&[T]; 3], first: usize) -> [[T; L]; 3] {
+pub(in crate::sh) fn load_points<T: Real, const L: usize>(d: [&[T]; 3], first: usize) -> [[T; L]; 3] {
     [load(d[0], first, T::zero()), load(d[1], first, T::zero()), load(d[2], first, T::one())]
 }
 

@@ -59,6 +59,8 @@ impl Default for CapFit {
 pub struct CapLog {
     bands: usize,
     table: Piecewise,
+    /// The angles between 0 and the largest at which f has a kink.
+    kinks: Vec<f64>,
     error: f64,
 }
 
@@ -83,29 +85,36 @@ impl CapLog {
             let half = (0.5 * theta).sin();
             log.into_iter().map(|f| f / (2.0 * half * half)).collect()
         };
-        let (table, error) = match fit {
+        let (kinks, (table, error)) = match fit {
             CapFit::Products { floor } => {
                 if !(floor > 0.0 && floor < 1.0) {
                     let allowed = "above 0 and below 1";
                     return Err(Error::OutOfRange { what: "floor of the logarithm", got: floor, allowed });
                 }
                 let zonal = Zonal::new(bands)?;
-                let ends = [vec![0.0], zonal.cap_kinks(Self::LARGEST, floor)?, vec![Self::LARGEST]].concat();
+                let kinks = zonal.cap_kinks(Self::LARGEST, floor)?;
+                let ends = [&[0.0], &kinks[..], &[Self::LARGEST]].concat();
                 let log = |theta| Ok(over(zonal.log(&cap_less_one(bands, theta)?, 1.0, floor)?.log, theta));
-                Piecewise::fit(bands, &ends, TOLERANCE, log)?
+                (kinks, Piecewise::fit(bands, &ends, TOLERANCE, log)?)
             }
             CapFit::Grid => {
                 let density = Density::new(bands)?;
                 let log = |theta| Ok(over(density.fit(&cap_less_one(bands, theta)?)?, theta));
-                Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?
+                (Vec::new(), Piecewise::fit(bands, &[0.0, std::f64::consts::FRAC_PI_2], GRID_TOLERANCE, log)?)
             }
         };
-        Ok(Self { bands, table, error })
+        Ok(Self { bands, table, kinks, error })
     }
 
     /// The number of bands.
     pub fn bands(&self) -> usize {
         self.bands
+    }
+
+    /// The angles, ascending between 0 and [`largest`](Self::largest), at which f(θ) has a kink: where an eigenvalue
+    /// begins or ceases to be clipped.
+    pub fn kinks(&self) -> &[f64] {
+        &self.kinks
     }
 
     /// The largest difference between the table and what it tabulates, f_l/(1 − cos θ), at the points where that was
