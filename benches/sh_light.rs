@@ -112,6 +112,45 @@ fn at_a_normal(c: &mut Criterion) {
     }
 }
 
+/// RGB through visibility at many normals: one call, and coefficients of a normal at a time with dot products.
+fn at_many_normals(c: &mut Criterion) {
+    const COUNT: usize = 256;
+    let mut group = c.benchmark_group("sh_diffuse_light_batch");
+    group.throughput(Throughput::Elements(COUNT as u64));
+    let [x, y, z] = directions(COUNT);
+    for bands in [3, 4, 6] {
+        let size = bands * bands;
+        let channels = [1, 2, 3].map(|channel| {
+            let light: Vec<f32> = (0..size).map(|i| (i as f32 * channel as f32).sin()).collect();
+            DiffuseLight::new(&light, bands, bands).unwrap()
+        });
+        let visibility: Vec<f32> = (0..size * COUNT).map(|i| (i as f32).cos()).collect();
+        let mut out = [0; 3].map(|_| vec![0.0f32; COUNT]);
+        let (mut many, mut scratch) = (vec![0.0; size * COUNT], vec![0.0; channels[0].batch_scratch_len()]);
+        group.bench_function(BenchmarkId::new("eval", bands), |b| {
+            b.iter(|| channels[0].eval_batch([black_box(&x), &y, &z], &mut many, &mut scratch));
+        });
+        group.bench_function(BenchmarkId::new("integral_rgb", bands), |b| {
+            b.iter(|| {
+                let [r, g, b] = &mut out;
+                let all = channels.each_ref();
+                DiffuseLight::integral_batch(all, [black_box(&x), &y, &z], &visibility, [r, g, b], &mut scratch);
+            });
+        });
+        let (mut one, mut scratch) = (vec![0.0; size], vec![0.0; channels[0].scratch_len()]);
+        group.bench_function(BenchmarkId::new("integral_rgb_one_by_one", bands), |b| {
+            b.iter(|| {
+                for v in 0..COUNT {
+                    for (channel, out) in channels.iter().zip(&mut out) {
+                        channel.eval(black_box(&Vector3::new(x[v], y[v], z[v])), &mut one, &mut scratch);
+                        out[v] = one.iter().enumerate().map(|(i, l)| l * visibility[i * COUNT + v]).sum();
+                    }
+                }
+            });
+        });
+    }
+}
+
 /// A regular polygon before the point, and its naive twin.
 fn polygon(c: &mut Criterion) {
     let mut group = c.benchmark_group("sh_polygon");
@@ -136,5 +175,5 @@ fn polygon(c: &mut Criterion) {
     group.bench_function(BenchmarkId::new("naive", 6), |b| b.iter(|| naive::polygon(6, black_box(&quad), None, 0)));
 }
 
-criterion_group!(benches, shapes, zonal, irradiance, at_a_normal, polygon);
+criterion_group!(benches, shapes, zonal, irradiance, at_a_normal, at_many_normals, polygon);
 criterion_main!(benches);

@@ -36,6 +36,15 @@ fn forms<T: Real>(c: &mut Criterion, name: &str, bands: &[usize]) {
         group.bench_function(BenchmarkId::new("batch", bands), |bench| {
             bench.iter(|| product.apply_batch(count, black_box(&a), black_box(&b), black_box(&mut out)));
         });
+        let (c, mut integrals) = (numbers(count * size), numbers(3 * count));
+        let mut scratch = numbers(product.scratch_len(count));
+        group.bench_function(BenchmarkId::new("integral_batch_rgb", bands), |bench| {
+            bench.iter(|| {
+                let mut rest = integrals.chunks_exact_mut(count);
+                let rgb = [(); 3].map(|()| rest.next().unwrap());
+                product.integral_batch(count, black_box(&a), &b, [&c, &a, &b], rgb, &mut scratch);
+            });
+        });
         group.bench_function(BenchmarkId::new("square_batch", bands), |bench| {
             bench.iter(|| square.apply_batch(count, black_box(&a), black_box(&mut out)));
         });

@@ -10,7 +10,7 @@ use haarmonic::sphere::fibonacci_directions;
 use haarmonic::strategies::direction;
 use proptest::prelude::*;
 
-use crate::support::{HARMONICS, assert_all_close, cases, golden, numbers, random};
+use crate::support::{HARMONICS, assert_all_close, assert_close, cases, golden, narrow, numbers, random, wide};
 
 fn unit<T: Real>(lights: &Lights<T>, light: &Light<T>) -> Vec<T> {
     let mut out = vec![T::nan(); lights.bands() * lights.bands()];
@@ -414,4 +414,63 @@ fn coefficients_of_another_size_panic() {
 #[should_panic(expected = "irradiances: expected length 1, got 2")]
 fn irradiances_of_another_number_panic() {
     Irradiance::<f64, 1>::new([&[1.0]]).eval_batch([&[1.0], &[0.0], &[0.0]], [&mut [0.0; 2]]);
+}
+
+fn diffuse_batches_have_the_bits_of_one<T: Real>([bands, cosine, out]: [usize; 3], count: usize) {
+    let light = |seed| DiffuseLight::new(&narrow::<T>(&random(bands * bands, seed)), cosine, out).unwrap();
+    let channels = [light(1), light(2), light(3)];
+    let normals: Vec<_> = fibonacci_directions(count.max(1)).into_iter().take(count).collect();
+    let [x, y, z] = [0, 1, 2].map(|k| normals.iter().map(|n| T::of(n[k])).collect::<Vec<T>>());
+    let visibility = narrow::<T>(&random(out * out * count, 9));
+    let mut scratch = vec![T::nan(); channels[0].batch_scratch_len()];
+    let mut single = vec![T::nan(); channels[0].scratch_len()];
+    let mut many = vec![T::nan(); out * out * count];
+    let mut rgb = [0; 3].map(|_| vec![T::nan(); count]);
+    let [r, g, b] = &mut rgb;
+    let all = channels.each_ref();
+    DiffuseLight::integral_batch(all, [&x, &y, &z], &visibility, [r, g, b], &mut scratch);
+    for (channel, integrals) in channels.iter().zip(&rgb) {
+        channel.eval_batch([&x, &y, &z], &mut many, &mut scratch);
+        for v in 0..count {
+            let normal = Vector3::new(x[v], y[v], z[v]);
+            let pick = |all: &[T]| all.iter().skip(v).step_by(count).copied().collect::<Vec<T>>();
+            let mut one = vec![T::nan(); out * out];
+            channel.eval(&normal, &mut one, &mut single);
+            assert_eq!(pick(&many), one, "{bands} {cosine} {out} {count} {v}");
+            let own = pick(&visibility);
+            assert_eq!(integrals[v], channel.integral(&normal, &own, &mut scratch));
+            let (terms, dot) = wide(&one)
+                .iter()
+                .zip(wide(&own))
+                .fold((0.0, 0.0), |(terms, dot), (a, b)| (terms + (a * b).abs(), dot + a * b));
+            let eps = T::epsilon().widen();
+            assert_close(integrals[v].widen(), dot, eps * (out * out) as f64 * terms, "dot product");
+        }
+    }
+    // The twin, of the first channel.
+    for v in 0..count.min(2) {
+        let h = naive::diffuse_light(&wide(&narrow::<T>(&random(bands * bands, 1))), cosine, &normals[v], out);
+        let own = visibility.iter().skip(v).step_by(count).map(|x| x.widen());
+        let want: f64 = h.iter().zip(own).map(|(h, v)| h * v).sum();
+        let tolerance = 8.0 * T::epsilon().widen() * (bands * out * out) as f64;
+        assert_close(rgb[0][v].widen(), want, tolerance, "twin");
+    }
+}
+
+#[test]
+fn diffuse_light_in_batches() {
+    for bands in [[1, 1, 1], [3, 3, 3], [4, 6, 3], [6, 6, 6], [3, 2, 5]] {
+        for count in [0, 1, 2, 15, 16, 17, 40] {
+            diffuse_batches_have_the_bits_of_one::<f32>(bands, count);
+            diffuse_batches_have_the_bits_of_one::<f64>(bands, count);
+        }
+    }
+    DiffuseLight::<f32>::integral_batch([], [&[]; 3], &[], [], &mut []);
+}
+
+#[test]
+#[should_panic(expected = "bands of the result: expected length 2, got 3")]
+fn channels_have_the_same_bands() {
+    let [a, b] = [2, 3].map(|out| DiffuseLight::<f32>::new(&[1.0], 1, out).unwrap());
+    DiffuseLight::integral_batch([&a, &b], [&[]; 3], &[], [&mut [], &mut []], &mut [0.0; 16]);
 }

@@ -9,7 +9,7 @@ use haarmonic::sh::{Product, Square, TripleTensor, gamma};
 use proptest::prelude::*;
 use serde_json::Value;
 
-use crate::support::{HARMONICS, assert_all_close, assert_close, cases, golden, narrow, norm, numbers, random};
+use crate::support::{HARMONICS, assert_all_close, assert_close, cases, golden, narrow, norm, numbers, random, wide};
 
 fn triple(v: &Value) -> [usize; 3] {
     [0, 1, 2].map(|n| v[n].as_u64().unwrap() as usize)
@@ -493,4 +493,41 @@ proptest! {
         let turned = Product::<f64>::new(bands[1], bands[2], bands[0]).unwrap().integral(&g, &h, &f);
         assert_close(turned, integral, 2.0 * scale * norm(&h), "the integral is symmetric");
     }
+}
+
+fn batches_of_integrals_have_the_bits_of_one<T: Real>(bands: [usize; 3], count: usize) {
+    let product = Product::<T>::new(bands[0], bands[1], bands[2]).unwrap();
+    let sizes = bands.map(|n| n * n * count);
+    let [a, b, red] = [0, 1, 2].map(|k| narrow::<T>(&random(sizes[k], 7 + k as u64)));
+    let green = narrow::<T>(&random(sizes[2], 31));
+    let ([mut r, mut g], mut scratch) =
+        ([0; 2].map(|_| vec![T::nan(); count]), vec![T::nan(); product.scratch_len(count)]);
+    product.integral_batch(count, &a, &b, [&red, &green], [&mut r, &mut g], &mut scratch);
+    let pick = |all: &[T], v: usize| all.iter().skip(v).step_by(count).copied().collect::<Vec<T>>();
+    for v in 0..count {
+        for (c, out) in [(&red, &r), (&green, &g)] {
+            assert_eq!(out[v], product.integral(&pick(&a, v), &pick(&b, v), &pick(c, v)), "{bands:?} {count} {v}");
+        }
+        let want = naive::triple_integral(&wide(&pick(&a, v)), &wide(&pick(&b, v)), &wide(&pick(&red, v)));
+        let scale = [&a, &b, &red].map(|f| wide(&pick(f, v)).iter().map(|x| x * x).sum::<f64>().sqrt());
+        assert_close(r[v].widen(), want, 2.0 * T::epsilon().widen() * scale.iter().product::<f64>() + 3e-15, "twin");
+    }
+    product.integral_batch(count, &a, &b, [], [], &mut scratch);
+}
+
+#[test]
+fn triple_integrals_in_batches() {
+    for bands in [[1, 1, 1], [2, 3, 2], [3, 3, 3], [4, 4, 4]] {
+        for count in [0, 1, 2, 15, 16, 17, 33] {
+            batches_of_integrals_have_the_bits_of_one::<f32>(bands, count);
+            batches_of_integrals_have_the_bits_of_one::<f64>(bands, count);
+        }
+    }
+}
+
+#[test]
+#[should_panic(expected = "integrals: expected length 2, got 1")]
+fn there_is_an_integral_for_each_vector() {
+    let product = Product::<f32>::new(1, 1, 1).unwrap();
+    product.integral_batch(2, &[0.0; 2], &[0.0; 2], [&[0.0; 2]], [&mut [0.0; 1]], &mut [0.0; 2]);
 }

@@ -1,5 +1,7 @@
 //! Light as a diffuse surface weighs it, for every normal.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -101,6 +103,111 @@ impl<T: Real> DiffuseLight<T> {
         self.arch.dispatch(Columns { matrix: &self.matrix, used: &self.used, y: scratch, out });
     }
 
+    /// L_H at many unit normals, coefficient-major: coefficient i of normal v at i·count + v. The same bits as
+    /// [`eval`](Self::eval).
+    ///
+    /// # Panics
+    /// If the slices of normals differ in length, `out.len()` is not bands_out² times it, or `scratch.len()` not
+    /// [`batch_scratch_len`](Self::batch_scratch_len).
+    #[track_caller]
+    pub fn eval_batch(&self, normals: [&[T]; 3], out: &mut [T], scratch: &mut [T]) {
+        let count = self.check_batch(normals, scratch);
+        check_length("light at normals", square(self.bands_out).saturating_mul(count), out.len());
+        for first in (0..count).step_by(BLOCK) {
+            let lanes = BLOCK.min(count - first);
+            let y = self.basis_at(normals, first..first + lanes, scratch);
+            self.arch.dispatch(Block { lights: [self], lanes, y, sink: Store { out: &mut *out, count, first } });
+        }
+    }
+
+    /// What a white plane of this normal reflects of the light where `visibility` (bands_out²) is seen: L_H(N) dotted
+    /// with it.
+    ///
+    /// ```math
+    /// 1/π ∫ L(s) V(s) max(s·N, 0) ds = Σ_k L_H(N)_k V_k
+    /// ```
+    ///
+    /// # Panics
+    /// If `visibility.len()` is not bands_out² or `scratch.len()` not [`batch_scratch_len`](Self::batch_scratch_len).
+    #[track_caller]
+    pub fn integral(&self, normal: &Vector3<T>, visibility: &[T], scratch: &mut [T]) -> T {
+        let normals = [0, 1, 2].map(|axis| std::slice::from_ref(&normal[axis]));
+        let mut out = [T::zero()];
+        Self::integral_batch([self], normals, visibility, [&mut out], scratch);
+        out[0]
+    }
+
+    /// [`integral`](Self::integral) for many normals, each with its visibility, in any number of channels, such as the
+    /// lights of red, green and blue: coefficient i of the visibility at normal v is at i·count + v.
+    ///
+    /// The channels share the evaluation of the basis, and no L_H is stored. The same bits as
+    /// [`integral`](Self::integral).
+    ///
+    /// # Panics
+    /// If the channels differ in bands, the slices of normals in length, `visibility.len()` is not bands_out² times it,
+    /// an `out` is not as long as they are, or `scratch.len()` is not [`batch_scratch_len`](Self::batch_scratch_len).
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::{nalgebra::Vector3, sh::DiffuseLight};
+    /// let one = (4.0 * std::f64::consts::PI).sqrt();
+    /// let lights = [[one, 0.0, 0.0, 0.0], [0.5 * one, 0.0, 0.0, 0.0]];
+    /// let [red, green] = lights.map(|light| DiffuseLight::new(&light, 2, 2).unwrap());
+    /// // Up and down, all of the sky and none of it.
+    /// let visibility = [one, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    /// let ([mut r, mut g], mut scratch) = ([[0.0; 2]; 2], vec![0.0; red.batch_scratch_len()]);
+    /// let normals = [&[0.0, 0.0][..], &[0.0, 0.0], &[1.0, -1.0]];
+    /// DiffuseLight::integral_batch([&red, &green], normals, &visibility, [&mut r, &mut g], &mut scratch);
+    /// assert!((r[0] - 1.0).abs() < 1e-15 && (g[0] - 0.5).abs() < 1e-15 && r[1] == 0.0);
+    /// ```
+    #[track_caller]
+    pub fn integral_batch<const C: usize>(
+        channels: [&Self; C],
+        normals: [&[T]; 3],
+        visibility: &[T],
+        mut out: [&mut [T]; C],
+        scratch: &mut [T],
+    ) {
+        let Some(first_channel) = channels.first() else { return };
+        let count = first_channel.check_batch(normals, scratch);
+        check_length("visibility", square(first_channel.bands_out).saturating_mul(count), visibility.len());
+        for (channel, out) in channels.iter().zip(&out) {
+            check_length("bands of the cosine", first_channel.basis.bands(), channel.basis.bands());
+            check_length("bands of the result", first_channel.bands_out, channel.bands_out);
+            check_length("integrals", count, out.len());
+        }
+        for first in (0..count).step_by(BLOCK) {
+            let lanes = BLOCK.min(count - first);
+            let y = first_channel.basis_at(normals, first..first + lanes, scratch);
+            let out = out.each_mut().map(|out| &mut out[first..first + lanes]);
+            let sink = Dot { visibility, count, first, sums: [[T::zero(); BLOCK]; C], out };
+            first_channel.arch.dispatch(Block { lights: channels, lanes, y, sink });
+        }
+    }
+
+    /// How long the scratch of batches is: 16 bands_cosine².
+    #[inline]
+    pub fn batch_scratch_len(&self) -> usize {
+        BLOCK * self.basis.coefficient_count()
+    }
+
+    #[track_caller]
+    fn check_batch(&self, normals: [&[T]; 3], scratch: &[T]) -> usize {
+        for coordinates in normals {
+            check_length("coordinates of normals", normals[0].len(), coordinates.len());
+        }
+        check_length("scratch", self.batch_scratch_len(), scratch.len());
+        normals[0].len()
+    }
+
+    /// The basis at some normals, a row of them for each coefficient.
+    fn basis_at<'a>(&self, normals: [&[T]; 3], range: Range<usize>, scratch: &'a mut [T]) -> &'a [T] {
+        let [x, y, z] = normals.map(|n| &n[range.clone()]);
+        let scratch = &mut scratch[..self.basis.coefficient_count() * range.len()];
+        self.basis.eval_batch(x, y, z, scratch);
+        scratch
+    }
+
     /// L_H tabulated over the sphere of normals, `side`² cells on each face of a cube.
     ///
     /// Accuracy: the error over the largest |L_H| is about 0.7/side² for 2 bands, 1/side² for 3, 1.4/side² for 4 to 6,
@@ -149,6 +256,97 @@ impl<T: Real> WithSimd for Columns<'_, T> {
                 *out += *m * y;
             }
         }
+    }
+}
+
+/// Normals that are done together.
+const BLOCK: usize = 16;
+
+fn square(bands: usize) -> usize {
+    bands * bands
+}
+
+/// Takes coefficients of L_H of a block of normals, in the order of the coefficients.
+trait Sink<T> {
+    fn take(&mut self, channel: usize, coefficient: usize, lanes: usize, values: &[T; BLOCK]);
+    fn end(self, lanes: usize);
+}
+
+/// To their places.
+struct Store<'a, T> {
+    out: &'a mut [T],
+    count: usize,
+    first: usize,
+}
+
+impl<T: Real> Sink<T> for Store<'_, T> {
+    #[inline(always)]
+    fn take(&mut self, _: usize, coefficient: usize, lanes: usize, values: &[T; BLOCK]) {
+        self.out[coefficient * self.count + self.first..][..lanes].copy_from_slice(&values[..lanes]);
+    }
+
+    #[inline(always)]
+    fn end(self, _: usize) {}
+}
+
+/// Into dot products with visibility.
+struct Dot<'a, T, const C: usize> {
+    visibility: &'a [T],
+    count: usize,
+    first: usize,
+    sums: [[T; BLOCK]; C],
+    out: [&'a mut [T]; C],
+}
+
+impl<T: Real, const C: usize> Sink<T> for Dot<'_, T, C> {
+    #[inline(always)]
+    fn take(&mut self, channel: usize, coefficient: usize, lanes: usize, values: &[T; BLOCK]) {
+        let row = &self.visibility[coefficient * self.count + self.first..][..lanes];
+        let sums = &mut self.sums[channel];
+        match row.first_chunk::<BLOCK>() {
+            Some(row) => (0..BLOCK).for_each(|i| sums[i] += values[i] * row[i]),
+            None => (0..lanes).for_each(|i| sums[i] += values[i] * row[i]),
+        }
+    }
+
+    #[inline(always)]
+    fn end(self, lanes: usize) {
+        for (out, sums) in self.out.into_iter().zip(&self.sums) {
+            out.copy_from_slice(&sums[..lanes]);
+        }
+    }
+}
+
+/// L_H of each light at a block of normals, given the basis there.
+struct Block<'a, T, K, const C: usize> {
+    lights: [&'a DiffuseLight<T>; C],
+    lanes: usize,
+    y: &'a [T],
+    sink: K,
+}
+
+impl<T: Real, K: Sink<T>, const C: usize> WithSimd for Block<'_, T, K, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { lights, lanes, y, mut sink } = self;
+        for (channel, light) in lights.into_iter().enumerate() {
+            let rows = square(light.bands_out);
+            for coefficient in 0..rows {
+                let mut sums = [T::zero(); BLOCK];
+                for (column, &j) in light.matrix.chunks_exact(rows).zip(&light.used) {
+                    let m = column[coefficient];
+                    let y = &y[j * lanes..][..lanes];
+                    match y.first_chunk::<BLOCK>() {
+                        Some(y) => (0..BLOCK).for_each(|i| sums[i] += m * y[i]),
+                        None => (0..lanes).for_each(|i| sums[i] += m * y[i]),
+                    }
+                }
+                sink.take(channel, coefficient, lanes, &sums);
+            }
+        }
+        sink.end(lanes);
     }
 }
 

@@ -15,6 +15,7 @@
 
 mod generated;
 mod grid;
+mod integral;
 mod kernel;
 mod matrix;
 mod nodes;
@@ -218,31 +219,6 @@ impl<T: Real> Product<T> {
                 row[j] = *value;
             }
         }
-    }
-
-    /// ∫ a b c over the sphere, c of bands_out, summed over c in f64.
-    ///
-    /// ```math
-    /// Σ_ijk a_i b_j c_k Γ_ijk
-    /// ```
-    ///
-    /// Cost: a product and a dot product.
-    ///
-    /// # Panics
-    /// If `a.len()`, `b.len()` or `c.len()` is not the square of its bands.
-    #[track_caller]
-    pub fn integral(&self, a: &[T], b: &[T], c: &[T]) -> T {
-        check_length("factor c", square(self.bands[2]), c.len());
-        let (mut few, mut many) = ([T::zero(); 256], Vec::new());
-        let product = match few.get_mut(..c.len()) {
-            Some(few) => few,
-            None => {
-                many.resize(c.len(), T::zero());
-                &mut many[..]
-            }
-        };
-        self.apply(a, b, product);
-        T::of(product.iter().zip(c).map(|(p, c)| p.widen() * c.widen()).sum())
     }
 }
 
