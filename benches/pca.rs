@@ -148,6 +148,50 @@ fn clustered(c: &mut Criterion) {
     group.finish();
 }
 
+/// Elements without their rows, of 4000 × 1024 in 32 components and in 32 clusters of 8: 4000 of each kind, and all rows
+/// decoded.
+fn entries(c: &mut Criterion) {
+    let mut group = c.benchmark_group("pca_entries");
+    let (n, columns) = (4000, 1024);
+    let matrix = rows(n, columns, 64, 6);
+    let pca = Pca::new(&matrix, columns, &PcaSettings::new(32)).unwrap();
+    let coded = ClusteredPca::new(&matrix, columns, &ClusteredPcaSettings::new(32, 8), &()).unwrap();
+    let mut weights = vec![0.0; n * pca.len()];
+    pca.project(&matrix, &mut weights);
+    let places: Vec<(usize, usize)> = (0..n).map(|i| (i * 7919 % n, i * 104_729 % columns)).collect();
+    let all: Vec<usize> = (0..n).collect();
+    let picked: Vec<usize> = (0..n).map(|i| i * 104_729 % columns).collect();
+    let (mut out, mut row) = (vec![0.0; n], vec![0.0; columns]);
+    group.throughput(Throughput::Elements(n as u64));
+    group.bench_function("entries", |b| b.iter(|| pca.entries(&weights, black_box(&places), &mut out)));
+    group.bench_function("row", |b| b.iter(|| pca.row_entries(&weights[..pca.len()], black_box(&picked), &mut out)));
+    let mut scratch = vec![0.0; pca.len() + 1];
+    group.bench_function("column", |b| b.iter(|| pca.column_entries(&weights, black_box(5), &mut out, &mut scratch)));
+    group.bench_function("decoding", |b| {
+        b.iter(|| {
+            for (&(at, column), out) in black_box(&places).iter().zip(&mut out) {
+                pca.reconstruct(&weights[at * pca.len()..][..pca.len()], &mut row);
+                *out = row[column];
+            }
+        });
+    });
+    group.bench_function("clustered_entries", |b| b.iter(|| coded.entries(black_box(&places), &mut out)));
+    group.bench_function("clustered_row", |b| b.iter(|| coded.row_entries(7, black_box(&picked), &mut out)));
+    let mut scratch = vec![0.0; coded.scratch_len(1)];
+    group.bench_function("clustered_column", |b| {
+        b.iter(|| coded.column_entries(black_box(5), &all, &mut out, &mut scratch));
+    });
+    group.bench_function("clustered_decoding", |b| {
+        b.iter(|| {
+            for (&(at, column), out) in black_box(&places).iter().zip(&mut out) {
+                coded.reconstruct(at, &mut row);
+                *out = row[column];
+            }
+        });
+    });
+    group.finish();
+}
+
 /// The rows as they are, on all threads as the coded product.
 fn dense(matrix: &[f32], x: &[f32], sides: usize, out: &mut [f32]) {
     use rayon::prelude::*;
@@ -164,5 +208,5 @@ fn dense(matrix: &[f32], x: &[f32], sides: usize, out: &mut [f32]) {
     });
 }
 
-criterion_group!(benches, pca, clustered);
+criterion_group!(benches, pca, clustered, entries);
 criterion_main!(benches);

@@ -3,7 +3,9 @@
 
 mod bicluster;
 mod clustered_pca;
+mod entries;
 mod pca;
+mod pruning;
 mod quantise;
 mod run_coding;
 mod stored;

@@ -3,6 +3,7 @@
 mod bases;
 mod build;
 mod coded;
+mod entries;
 mod nearest;
 mod seeds;
 mod settings;
