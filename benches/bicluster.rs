@@ -69,5 +69,47 @@ fn products(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, search, products);
+/// Storage against error of a transfer matrix, all elements weighing the same.
+#[expect(clippy::print_stdout, reason = "the report is what it is for")]
+fn curve() {
+    let mesh = Procedural::TorusKnotOnFloor.build(4000).expect("enough vertices").mesh;
+    let matrix = transfer::transfer_matrix(&mesh, &()).expect("small enough");
+    let all = Biclustering::new(&matrix, &BiclusterSettings::default(), &()).expect("not cancelled");
+    let start = std::time::Instant::now();
+    let (pruning, stats) = (all.pruning(), all.stats());
+    println!("{} steps in {:.1} s; {stats:?}", pruning.curve().len(), start.elapsed().as_secs_f64());
+    let levels = (0..matrix.rows()).flat_map(|row| matrix.row(row).1);
+    let energy = matrix.scale().powi(2) * levels.map(|&t| f64::from(t) * f64::from(t)).sum::<f64>();
+    let share = |part: usize, whole: usize| 100.0 * part as f64 / whole as f64;
+    for relative in [0.0, 0.01, 0.02, 0.05, 0.1, 0.2, 0.3] {
+        let (left, point) = pruning.within(relative * relative * energy).expect("small levels");
+        println!(
+            "relative L2 error at most {relative}: {:.5}, {:.1} % of compressed rows, {:.1} % of dense bytes, {:.1} % of \
+             the operations, {} biclusters",
+            (point.squared_error / energy).sqrt(),
+            share(point.bytes, stats.matrix_bytes),
+            share(point.bytes, stats.dense_bytes),
+            share(point.flops, stats.matrix_flops),
+            left.len()
+        );
+    }
+}
+
+fn pruning(c: &mut Criterion) {
+    if std::env::var_os("BICLUSTER_PRUNING").is_some() {
+        return curve();
+    }
+    let mut group = c.benchmark_group("bicluster_pruning");
+    group.sample_size(10);
+    let matrix = matrix(1000);
+    let all = Biclustering::new(&matrix, &BiclusterSettings::default(), &()).expect("not cancelled");
+    group.throughput(Throughput::Elements(matrix.nnz() as u64));
+    group.bench_function("curve/1000", |b| b.iter(|| black_box(&all).pruning()));
+    let pruning = all.pruning();
+    let bound = 0.01 * pruning.curve().last().expect("the whole").squared_error;
+    group.bench_function("within/1000", |b| b.iter(|| pruning.within(black_box(bound))));
+    group.finish();
+}
+
+criterion_group!(benches, search, products, pruning);
 criterion_main!(benches);

@@ -3,6 +3,7 @@
 //! | you have | use |
 //! |---|---|
 //! | a sparse matrix whose entries take few values, such as down-sampled visibility | [`Biclustering`]: lossless, and cheaper to multiply by |
+//! | the same, and an error that may be made | [`Biclustering::pruning`]: the smallest storage for it, and the whole curve |
 //! | binary maps with long runs, such as visibility, to be multiplied by ever new lights | [`CodedBinaryMaps`]: lossless, a dot product costs one look-up a change |
 //! | the same, anti-aliased | [`CodedGrayMaps`] |
 //! | dense rows that are alike: transfer vectors, grey maps | [`Pca`]: with loss, a few weights a row |
@@ -19,8 +20,8 @@ mod random;
 mod run_coding;
 
 pub use bicluster::{
-    Bicluster, BiclusterMove, BiclusterMultiplier, BiclusterSettings, BiclusterStats, BiclusterStep, BiclusterTrace,
-    Biclustering, Seeds, SparseMatrix,
+    Bicluster, BiclusterMove, BiclusterMultiplier, BiclusterPruning, BiclusterSettings, BiclusterStats, BiclusterStep,
+    BiclusterTrace, Biclustering, PruningPoint, Seeds, SparseMatrix,
 };
 pub use clustered_pca::{ClusteredPca, ClusteredPcaSettings, ClusteredPcaStats};
 pub use distortion::Distortion;

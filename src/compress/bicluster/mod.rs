@@ -3,9 +3,11 @@
 mod clusters;
 mod growth;
 mod histogram;
+mod loss;
 mod matrix;
 mod multiply;
 mod partition;
+mod pruning;
 mod queue;
 mod residual;
 mod search;
@@ -16,5 +18,6 @@ mod trace;
 pub use clusters::{Bicluster, BiclusterStats, Biclustering};
 pub use matrix::SparseMatrix;
 pub use multiply::BiclusterMultiplier;
+pub use pruning::{BiclusterPruning, PruningPoint};
 pub use settings::{BiclusterSettings, Seeds};
 pub use trace::{BiclusterMove, BiclusterStep, BiclusterTrace};

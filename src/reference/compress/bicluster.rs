@@ -117,6 +117,51 @@ fn moves(
     all
 }
 
+/// Σ_jk w_j v_k (a_jk − b_jk)², in squared levels.
+pub fn weighted_squared_error(a: &[Vec<i64>], b: &[Vec<i64>], rows: &[f64], columns: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for ((a, b), w) in a.iter().zip(b).zip(rows) {
+        for ((a, b), v) in a.iter().zip(b).zip(columns) {
+            sum += w * v * ((a - b) as f64).powi(2);
+        }
+    }
+    sum
+}
+
+/// The least error of a sum of biclusters, each (rows, columns, levels), of which columns are left out so that at most
+/// `bytes` are left: every choice is tried, an error is that of the dense matrices.
+pub fn least_pruning_error(
+    shape: [usize; 2],
+    biclusters: &[(Vec<usize>, Vec<usize>, Vec<i64>)],
+    bytes: usize,
+    weights: [&[f64]; 2],
+) -> f64 {
+    let columns: usize = biclusters.iter().map(|b| b.1.len()).sum();
+    let sum_of = |choice: u32| {
+        let (mut sum, mut size, mut bit) = (vec![vec![0; shape[1]]; shape[0]], 4 + 4 * (shape[0] + 1), 0);
+        for (rows, columns, levels) in biclusters {
+            let before = size;
+            for (&column, &level) in columns.iter().zip(levels) {
+                if choice >> bit & 1 == 1 {
+                    size += 8;
+                    rows.iter().for_each(|&row| sum[row][column] += level);
+                }
+                bit += 1;
+            }
+            if size > before {
+                size += 4 * rows.len() + 4;
+            }
+        }
+        (sum, size)
+    };
+    let (whole, _) = sum_of(u32::MAX);
+    (0..1u32 << columns)
+        .map(sum_of)
+        .filter(|(_, size)| *size <= bytes)
+        .map(|(sum, _)| weighted_squared_error(&whole, &sum, weights[0], weights[1]))
+        .fold(f64::INFINITY, f64::min)
+}
+
 /// scale · levels · x.
 pub fn multiply_levels(levels: &[Vec<i64>], scale: f64, x: &[f64]) -> Vec<f64> {
     levels.iter().map(|row| row.iter().zip(x).map(|(&level, &x)| scale * level as f64 * x).sum()).collect()
