@@ -15,8 +15,8 @@ mod view;
 mod visibility;
 
 pub use brdf::{
-    AshikhminShirley, Beckmann, BlinnPhong, Brdf, BrdfFn, BrdfSpec, CookTorrance, DirectionTable, FactoredBrdf,
-    Lambert, Lobe, Merl, MerlLookup, OrenNayar, Phong, Structure, Sum, TabulatedBrdf, Ward,
+    AshikhminShirley, Beckmann, BlinnPhong, Brdf, BrdfExpansions, BrdfFn, BrdfSpec, CookTorrance, DirectionTable,
+    FactoredBrdf, Lambert, Lobe, Merl, MerlLookup, OrenNayar, Phong, Structure, Sum, TabulatedBrdf, Ward,
 };
 #[allow(unused_imports, reason = "for those back ends that ask for them")]
 pub(crate) use brdf::{Axes, Kernel, KernelVisitor, Shape, narrow};

@@ -2,6 +2,7 @@
 #![cfg(all(feature = "backends", feature = "reference", feature = "proptest"))]
 
 mod brdf;
+mod brdf_expansions;
 mod edges;
 mod far;
 mod geometry;

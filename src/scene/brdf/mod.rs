@@ -25,6 +25,7 @@ mod ashikhmin;
 mod beckmann;
 mod directions;
 mod factored;
+mod expansions;
 mod ggx;
 mod kernel;
 mod lambert;
@@ -45,6 +46,7 @@ pub use ashikhmin::AshikhminShirley;
 pub use beckmann::Beckmann;
 pub use directions::DirectionTable;
 pub use factored::FactoredBrdf;
+pub use expansions::BrdfExpansions;
 pub use ggx::CookTorrance;
 #[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
 pub(crate) use kernel::{Kernel, narrow};
