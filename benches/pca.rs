@@ -148,8 +148,8 @@ fn clustered(c: &mut Criterion) {
     group.finish();
 }
 
-/// Elements without their rows, of 4000 × 1024 in 32 components and in 32 clusters of 8: 4000 of each kind, and all rows
-/// decoded.
+/// Elements without their rows, of 4000 × 1024 in 32 components and in 32 clusters of 8: 4000 of each kind, and all
+/// rows decoded.
 fn entries(c: &mut Criterion) {
     let mut group = c.benchmark_group("pca_entries");
     let (n, columns) = (4000, 1024);

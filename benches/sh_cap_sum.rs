@@ -1,6 +1,6 @@
 //! Nanoseconds a cap of sums over caps, the inner loop of soft shadows by harmonics: logarithms of discs about
-//! directions and of spheres seen from receivers, in turn with the naive way (evaluate the basis, look the logarithm up,
-//! multiply, add) and the naive twin.
+//! directions and of spheres seen from receivers, in turn with the naive way (evaluate the basis, look the logarithm
+//! up, multiply, add) and the naive twin.
 //!
 //! Run with: cargo bench -p haarmonic-benches --bench sh_cap_sum [-- WORDS]: jobs whose name holds all the words.
 

@@ -49,7 +49,8 @@ impl<T: Real> Pca<T> {
     /// Elements of the row that has these weights: `out[i]` is that of `columns[i]`, any columns in any order.
     ///
     /// # Panics
-    /// If `weights.len()` is not [`len`](Self::len), `out` is not as long as `columns`, or one of those is out of range.
+    /// If `weights.len()` is not [`len`](Self::len), `out` is not as long as `columns`, or one of those is out of
+    /// range.
     #[track_caller]
     pub fn row_entries(&self, weights: &[T], columns: &[usize], out: &mut [T]) {
         check_length("weights", self.len(), weights.len());

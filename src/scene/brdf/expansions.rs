@@ -21,8 +21,8 @@ use crate::{Error, Result, parallel};
 /// viewer at azimuth φ sees the same turned about z: since f is its own mirror image in the plane of the viewer only
 /// m ≥ 0 is stored, and (l, ±m) is c_lm {cos, sin} mφ.
 ///
-/// The expansion of the incoming radiance in the frame of the surface (+z its normal), dotted with [`eval`](Self::eval),
-/// is what the viewer sees.
+/// The expansion of the incoming radiance in the frame of the surface (+z its normal), dotted with
+/// [`eval`](Self::eval), is what the viewer sees.
 ///
 /// Accuracy: what is cut off, [`truncation_errors`](Self::truncation_errors), and what lies between elevations,
 /// [`interpolation_errors`](Self::interpolation_errors). Memory: 6 bands (bands + 1) bytes an elevation.

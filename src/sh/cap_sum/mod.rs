@@ -143,8 +143,8 @@ impl<T: Real> CapSum<T> {
         self.run(self.caps(1, directions, angles), None, out);
     }
 
-    /// [`accumulate`](Self::accumulate) for `count` receivers with equally many caps each: cap j of receiver v is at j ·
-    /// `count` + v, and so is coefficient j.
+    /// [`accumulate`](Self::accumulate) for `count` receivers with equally many caps each: cap j of receiver v is at j
+    /// · `count` + v, and so is coefficient j.
     ///
     /// A receiver that has fewer caps is filled up with angles of 0, which add 0.
     ///
@@ -161,8 +161,8 @@ impl<T: Real> CapSum<T> {
     /// their centres.
     ///
     /// From a sphere's surface and from within it is the hemisphere towards its centre, θ = π/2. At the centre there is
-    /// no direction, and degree 0 of that hemisphere alone is added. A radius of 0 or less adds nothing. Distances should be
-    /// between 1e-15 and 1e15 in `f32`, since they are squared.
+    /// no direction, and degree 0 of that hemisphere alone is added. A radius of 0 or less adds nothing. Distances
+    /// should be between 1e-15 and 1e15 in `f32`, since they are squared.
     ///
     /// # Panics
     /// If the slices of centres and `radii` differ in length or `out.len()` is not bands².

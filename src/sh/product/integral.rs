@@ -32,16 +32,16 @@ impl<T: Real> Product<T> {
         T::of(product.iter().zip(c).map(|(p, c)| p.widen() * c.widen()).sum())
     }
 
-    /// `count` integrals ∫ a b c at once, coefficient-major, for each channel of c its own: coefficient i of vector v is
-    /// at i·`count` + v in `a`, `b` and the channels of `c`; integral v of a channel at v of its `out`.
+    /// `count` integrals ∫ a b c at once, coefficient-major, for each channel of c its own: coefficient i of vector v
+    /// is at i·`count` + v in `a`, `b` and the channels of `c`; integral v of a channel at v of its `out`.
     ///
     /// The channels share the product of a and b: for a light in RGB let c be the light, a and b what all colours have
     /// in common, such as visibility and a lobe. The same bits as [`integral`](Self::integral) vector by vector and
     /// channel by channel.
     ///
     /// # Panics
-    /// If `a.len()`, `b.len()` or that of a channel of `c` is not `count` times the square of its bands, an `out` is not
-    /// `count` long, or `scratch` not [`scratch_len`](Self::scratch_len).
+    /// If `a.len()`, `b.len()` or that of a channel of `c` is not `count` times the square of its bands, an `out` is
+    /// not `count` long, or `scratch` not [`scratch_len`](Self::scratch_len).
     ///
     /// # Example
     /// ```
