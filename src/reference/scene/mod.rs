@@ -5,5 +5,5 @@ mod expansion;
 pub mod ground_truth;
 mod visibility;
 
-pub use visibility::{closest_hit, is_free, occluded, sees};
 pub use expansion::brdf_expansion;
+pub use visibility::{closest_hit, is_free, occluded, sees};

@@ -24,8 +24,8 @@
 mod ashikhmin;
 mod beckmann;
 mod directions;
-mod factored;
 mod expansions;
+mod factored;
 mod ggx;
 mod kernel;
 mod lambert;
@@ -45,8 +45,8 @@ use nalgebra::{Unit, Vector3};
 pub use ashikhmin::AshikhminShirley;
 pub use beckmann::Beckmann;
 pub use directions::DirectionTable;
-pub use factored::FactoredBrdf;
 pub use expansions::BrdfExpansions;
+pub use factored::FactoredBrdf;
 pub use ggx::CookTorrance;
 #[allow(unused_imports, reason = "for those back ends that treat lobes apart")]
 pub(crate) use kernel::{Kernel, narrow};

@@ -113,6 +113,13 @@ impl Bvh {
         self.scale
     }
 
+    /// Centre and radius of a ball around all faces, in the mesh's coordinates; the radius is negative without any.
+    pub(super) fn ball(&self) -> (Vector3<f64>, f64) {
+        let Some(root) = self.nodes.first() else { return (Vector3::zeros(), -1.0) };
+        let [low, high] = [root.bounds.low, root.bounds.high].map(|p| Vector3::from(p).cast::<f64>() / self.scale);
+        ((low + high) * 0.5, 0.5 * (high - low).norm() * (1.0 + 1e-9))
+    }
+
     /// The wide nodes, root first; empty if the mesh fits one leaf.
     pub(super) fn nodes(&self) -> &[WideNode] {
         &self.wide.nodes

@@ -10,7 +10,8 @@ use crate::{Error, Result};
 
 /// The geometry that rays are traced against: one mesh, or objects that stand anywhere in a world.
 ///
-/// An object is a hierarchy and a rigid pose, so that it moves without being built again and one mesh can stand in many
+/// Single rays try the objects one after the other, those whose ball they miss excepted: hundreds of objects, not
+/// thousands. An object is a hierarchy and a rigid pose, so that it moves without being built again and one mesh can stand in many
 /// places. A mesh's [`origin`](Mesh::origin) is not looked at: poses move positions as they are.
 ///
 /// # Example
@@ -36,6 +37,8 @@ struct Object {
     pose: Isometry3<f64>,
     /// World to object; `None` if the object is not turned.
     turn: Option<Matrix3<f64>>,
+    /// Centre, in the world, and radius of a ball around it.
+    ball: (Vector3<f64>, f64),
 }
 
 /// An object as one origin sees it.
@@ -68,7 +71,8 @@ impl Occluders {
     }
 
     pub(super) fn of_bvh(bvh: Arc<Bvh>) -> Self {
-        let object = Object { bvh, pose: Isometry3::identity(), turn: None };
+        let ball = bvh.ball();
+        let object = Object { bvh, pose: Isometry3::identity(), turn: None, ball };
         Self { objects: vec![object], back_faces: BackFaces::default() }
     }
 
@@ -133,7 +137,7 @@ impl Occluders {
     /// The object that a ray meets first, and where: as [`Bvh::closest_hit`], with distances in the world.
     pub fn closest_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<(usize, Hit)> {
         let mut best: Option<(usize, Hit)> = None;
-        for (index, object) in self.objects.iter().enumerate() {
+        for (index, object) in self.objects.iter().enumerate().filter(|(_, o)| o.may_meet(origin, direction)) {
             let (origin, direction) = object.ray(origin, direction);
             if let Some(hit) = object.bvh.closest_hit(&origin, &direction)
                 && best.is_none_or(|(_, nearest)| hit.distance < nearest.distance)
@@ -146,7 +150,7 @@ impl Occluders {
 
     /// Whether a ray meets any object.
     pub fn any_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
-        self.objects.iter().any(|object| {
+        self.objects.iter().filter(|object| object.may_meet(origin, direction)).any(|object| {
             let (origin, direction) = object.ray(origin, direction);
             object.bvh.any_hit(&origin, &direction)
         })
@@ -154,7 +158,7 @@ impl Occluders {
 
     /// Whether a ray meets any object before a distance, in units of the direction's length.
     pub fn any_hit_within(&self, origin: &Vector3<f64>, direction: &Vector3<f64>, distance: f64) -> bool {
-        self.objects.iter().any(|object| {
+        self.objects.iter().filter(|object| object.may_meet(origin, direction)).any(|object| {
             let (origin, direction) = object.ray(origin, direction);
             object.bvh.any_hit_within(&origin, &direction, distance)
         })
@@ -188,7 +192,24 @@ impl Object {
         }
         let turn = pose.rotation.to_rotation_matrix().inverse().into_inner();
         let turn = (turn != Matrix3::identity()).then_some(turn);
-        Ok(Self { bvh, pose, turn })
+        let (centre, radius) = bvh.ball();
+        let centre = (pose * nalgebra::Point3::from(centre)).coords;
+        // Poses round: by a few roundings of where the object is.
+        let ball = (centre, radius + 1e-12 * (centre.norm() + radius.abs()));
+        Ok(Self { bvh, pose, turn, ball })
+    }
+
+    /// Whether a ray comes near enough; true where rounding hides it.
+    fn may_meet(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
+        let (centre, radius) = self.ball;
+        let to = centre - origin;
+        let (along, length, away) = (to.dot(direction), direction.norm_squared(), to.norm_squared());
+        // Distance² of the ray's line from the centre times the direction's; the differences of large numbers.
+        let across = away * length - along * along;
+        let near = across <= radius * radius * length + 1e-12 * away * length;
+        let is_ahead = along > 0.0 || away <= radius * radius * (1.0 + 1e-12);
+        // NaN and overflow are the hierarchy's to judge.
+        radius >= 0.0 && (near && is_ahead || !across.is_finite() || length < 1e-280)
     }
 
     /// A ray in the object's world.
