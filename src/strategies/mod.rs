@@ -21,7 +21,7 @@ pub use backend::block_layout;
 pub use compress::{block_matrix, clustered_rows, level_map, low_rank_rows, run_map};
 pub use haar::{haar_image, haar_signal, power_of_two, signal, sparse_vector};
 #[cfg(feature = "scene")]
-pub use scene::{brdf, directions, local_frame, procedural, triangle_soup, viewpoint};
+pub use scene::{brdf, directions, local_frame, procedural, textured_soup, triangle_soup, viewpoint};
 pub use sh::{discs, sh_vector, sh_visibility, spherical_polygon, zonal};
 pub use sphere::{cube_map, direction, lat_long_map, radiance, rotation};
 pub use table::{outside, rectangle, visibility_map};

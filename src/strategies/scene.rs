@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 
 use crate::scene::{
@@ -61,6 +61,17 @@ pub fn directions() -> impl Strategy<Value = Directions> {
             .prop_map(|(size, cells)| Directions::top_face(TopFace::new(size, cells).expect("in range"))),
         list.prop_map(|list| Directions::list(list).expect("finite and not empty")),
     ]
+}
+
+/// A [`triangle_soup`] with texture coordinates between −1 and 2, or all the same, or on a line.
+pub fn textured_soup(faces: usize) -> impl Strategy<Value = Mesh> {
+    let shape = prop_oneof![4 => Just([1.0_f32, 1.0]), 1 => Just([1.0, 0.0]), 1 => Just([0.0, 0.0])];
+    let pairs = prop::collection::vec(prop::array::uniform2(-1.0_f32..2.0), faces.max(2) * 2);
+    (triangle_soup(faces), pairs, shape).prop_map(|(mesh, pairs, shape)| {
+        let pair = |[u, v]: [f32; 2]| Vector2::new(u * shape[0], v * shape[1]);
+        let uv = pairs.into_iter().take(mesh.positions().len()).map(pair).collect();
+        mesh.with_uv(uv).expect("as many finite pairs as vertices")
+    })
 }
 
 /// Any of the built-in scenes.

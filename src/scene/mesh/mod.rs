@@ -4,8 +4,9 @@ mod bounds;
 mod frame;
 mod normals;
 mod repair;
+mod uv;
 
-use nalgebra::{Affine3, Vector3};
+use nalgebra::{Affine3, Vector2, Vector3};
 
 pub use bounds::Bounds;
 pub use frame::LocalFrame;
@@ -15,7 +16,8 @@ pub use repair::MeshRepair;
 use crate::approx_eq::approx_by_parts;
 use crate::{Error, Result};
 
-/// A triangle mesh: positions, unit normals and unit tangents per vertex; counter-clockwise faces seen from outside.
+/// A triangle mesh: positions, unit normals and unit tangents per vertex, and texture coordinates where they are given;
+/// counter-clockwise faces seen from outside.
 ///
 /// Every position is finite, every normal and tangent is a unit vector and they are perpendicular, every face names
 /// three vertices that are there. Vertices without a face are allowed; so are faces without area, which neither cast
@@ -29,6 +31,7 @@ pub struct Mesh {
     positions: Vec<Vector3<f32>>,
     normals: Vec<Vector3<f32>>,
     tangents: Vec<Vector3<f32>>,
+    uv: Option<Vec<Vector2<f32>>>,
     faces: Vec<[u32; 3]>,
     origin: Vector3<f64>,
 }
@@ -46,7 +49,7 @@ impl Mesh {
         check_parts(&positions, &faces)?;
         let normals = angle_weighted_normals(&positions, &faces);
         let tangents = normals.iter().map(perpendicular).collect();
-        Ok(Self { positions, normals, tangents, faces, origin: Vector3::zeros() })
+        Ok(Self { positions, normals, tangents, uv: None, faces, origin: Vector3::zeros() })
     }
 
     /// A mesh with given normals.
@@ -72,7 +75,7 @@ impl Mesh {
         }
         let normals: Vec<_> = normals.into_iter().flatten().collect();
         let tangents = normals.iter().map(perpendicular).collect();
-        Ok(Self { positions, normals, tangents, faces, origin: Vector3::zeros() })
+        Ok(Self { positions, normals, tangents, uv: None, faces, origin: Vector3::zeros() })
     }
 
     /// The same mesh with given tangents, which anisotropic reflectance is aligned to.
@@ -129,15 +132,17 @@ impl Mesh {
 
     /// Several meshes as one: their vertices and faces in the order given.
     ///
-    /// The origin is that of the first mesh; the positions of a mesh with another one are moved, in `f64`, so that the
-    /// world coordinates stay.
+    /// Texture coordinates are kept if all of the meshes have them; else the merged mesh has none. The origin is that
+    /// of the first mesh; the positions of a mesh with another one are moved, in `f64`, so that the world coordinates
+    /// stay.
     ///
     /// # Errors
     /// [`Error::Empty`] without a mesh, [`Error::OutOfRange`] for more than 2³² − 1 vertices, [`Error::NotFinite`] if a
     /// position is beyond `f32` seen from the first mesh's origin.
     pub fn merge<'a>(meshes: impl IntoIterator<Item = &'a Self>) -> Result<Self> {
         let origin = Vector3::zeros();
-        let mut all = Self { positions: vec![], normals: vec![], tangents: vec![], faces: vec![], origin };
+        let uv = Some(Vec::new());
+        let mut all = Self { positions: vec![], normals: vec![], tangents: vec![], uv, faces: vec![], origin };
         for mesh in meshes {
             let base = all.positions.len();
             if base == 0 {
@@ -161,6 +166,10 @@ impl Mesh {
             }
             all.normals.extend_from_slice(&mesh.normals);
             all.tangents.extend_from_slice(&mesh.tangents);
+            all.uv = all.uv.zip(mesh.uv()).map(|(mut all, uv)| {
+                all.extend_from_slice(uv);
+                all
+            });
             all.faces.extend(mesh.faces.iter().map(|f| f.map(|i| i + base as u32)));
         }
         if all.faces.is_empty() { Err(Error::Empty { what: "list of meshes" }) } else { Ok(all) }
@@ -169,8 +178,8 @@ impl Mesh {
     /// The mesh moved, turned, scaled or sheared.
     ///
     /// Normals go with the inverse transpose, tangents with the map; a mirroring map turns the faces around, so that
-    /// they stay counter-clockwise seen from outside. The map acts on the positions; the [`origin`](Self::origin)
-    /// stays.
+    /// they stay counter-clockwise seen from outside. The map acts on the positions; the [`origin`](Self::origin) and
+    /// the texture coordinates stay (those of a mirrored mesh are then mirrored too).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] if the map's determinant is zero or not finite, [`Error::NotFinite`] if a vertex
@@ -196,7 +205,9 @@ impl Mesh {
         });
         let faces = self.faces.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] }).collect();
         let tangents = self.tangents.iter().map(|t| (linear * t.cast::<f64>()).cast()).collect();
-        Self::with_normals(positions, normals.collect(), faces)?.with_tangents(tangents)?.with_origin(self.origin)
+        let moved = Self::with_normals(positions, normals.collect(), faces)?;
+        let uv = self.uv.clone();
+        Ok(Self { uv, ..moved.with_tangents(tangents)?.with_origin(self.origin)? })
     }
 
     /// The point that positions are relative to, in world coordinates: world = origin + position.
@@ -292,4 +303,7 @@ fn check_parts(positions: &[Vector3<f32>], faces: &[[u32; 3]]) -> Result<()> {
     Ok(())
 }
 
-approx_by_parts!([] Mesh, f32, |m| close [&m.positions, &m.normals, &m.tangents] same [&m.faces, &m.origin]);
+approx_by_parts!(
+    [] Mesh, f32, |m| close [&m.positions, &m.normals, &m.tangents, m.uv.as_deref().unwrap_or_default()]
+    same [&m.faces, &m.origin, m.uv.is_some()]
+);

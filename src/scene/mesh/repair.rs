@@ -68,7 +68,9 @@ impl Mesh {
     /// that is NaN or infinite is dropped, and the vertex, which stays so that indices keep their meaning, is moved to
     /// the first finite one; a face with a repeated corner or without area is dropped; a normal that is missing or
     /// unusable is made from the faces that are left. Vertices without a face are kept. Nothing else is touched: no
-    /// welding, no turning. `normals` shorter or longer than `positions` counts as missing or superfluous at the end.
+    /// welding, no turning. Texture coordinates can be given afterwards, since vertices keep their places:
+    /// [`with_uv`](Self::with_uv). `normals` shorter or longer than `positions` counts as missing or superfluous at the
+    /// end.
     ///
     /// # Errors
     /// [`Error::Empty`] if no vertex is finite or no face is left.
