@@ -13,13 +13,18 @@ pub(super) fn tessellate(builder: &mut Builder, spacing: f64) {
     let cells = ((2.0 * HALF / spacing).round() as usize).max(8);
     let place = |t: f64| HALF * (2.0 * t - 1.0);
     builder.part(0);
-    builder.grid([cells; 2], [Ends::Open; 2], |u, v| {
-        let (x, z) = (place(v), place(u));
-        const STEP: f64 = 1e-4;
-        let slope_x = (height(x + STEP, z) - height(x - STEP, z)) / (2.0 * STEP);
-        let slope_z = (height(x, z + STEP) - height(x, z - STEP)) / (2.0 * STEP);
-        (Vector3::new(x, height(x, z), z), Vector3::new(-slope_x, 1.0, -slope_z).normalize())
-    });
+    builder.textured_grid(
+        [cells; 2],
+        [Ends::Open; 2],
+        |u, v| [v, 1.0 - u],
+        |u, v| {
+            let (x, z) = (place(v), place(u));
+            const STEP: f64 = 1e-4;
+            let slope_x = (height(x + STEP, z) - height(x - STEP, z)) / (2.0 * STEP);
+            let slope_z = (height(x, z + STEP) - height(x, z - STEP)) / (2.0 * STEP);
+            (Vector3::new(x, height(x, z), z), Vector3::new(-slope_x, 1.0, -slope_z).normalize())
+        },
+    );
     builder.part(1);
     for side in 0..4 {
         let turn = |x: f64, z: f64| match side {

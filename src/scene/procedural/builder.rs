@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use crate::Result;
 use crate::scene::Mesh;
@@ -21,6 +21,12 @@ impl Ends {
     fn rows(self, cells: usize) -> usize {
         if self == Self::Joined { cells } else { cells + 1 }
     }
+
+    /// The texture coordinate at parameter t. Where the ends are joined, a coordinate that ran from 0 to 1 would need
+    /// two vertices at the seam: it runs to 1 half way round and back again.
+    fn texture(self, t: f64) -> f64 {
+        if self == Self::Joined { 1.0 - (2.0 * t - 1.0).abs() } else { t }
+    }
 }
 
 /// Collects surfaces, or only counts their vertices.
@@ -30,13 +36,23 @@ pub(super) struct Builder {
     part: u8,
     positions: Vec<Vector3<f32>>,
     normals: Vec<Vector3<f32>>,
+    uv: Vec<Vector2<f32>>,
     faces: Vec<[u32; 3]>,
     parts: Vec<u8>,
 }
 
 impl Builder {
     pub(super) fn new() -> Self {
-        Self { counts_only: false, count: 0, part: 0, positions: vec![], normals: vec![], faces: vec![], parts: vec![] }
+        Self {
+            counts_only: false,
+            count: 0,
+            part: 0,
+            positions: vec![],
+            normals: vec![],
+            uv: vec![],
+            faces: vec![],
+            parts: vec![],
+        }
     }
 
     pub(super) fn counting() -> Self {
@@ -53,19 +69,31 @@ impl Builder {
     }
 
     pub(super) fn finish(self) -> Result<(Mesh, Vec<u8>)> {
-        Ok((Mesh::with_normals(self.positions, self.normals, self.faces)?, self.parts))
+        Ok((Mesh::with_normals(self.positions, self.normals, self.faces)?.with_uv(self.uv)?, self.parts))
     }
 
-    fn vertex(&mut self, position: Point, normal: Point) -> u32 {
+    fn vertex(&mut self, position: Point, normal: Point, uv: [f64; 2]) -> u32 {
         self.positions.push(position.cast());
         self.normals.push(normal.cast());
+        self.uv.push(Vector2::from(uv).cast());
         self.parts.push(self.part);
         self.positions.len() as u32 - 1
     }
 
     /// A surface over (u, v) ∈ [0, 1]² in cells[0] × cells[1] quads, outward along ∂u × ∂v; `at` gives position and
-    /// normal.
+    /// normal. Texture coordinates are (u, v), there and back along an axis whose ends are joined.
     pub(super) fn grid(&mut self, cells: [usize; 2], ends: [Ends; 2], at: impl Fn(f64, f64) -> (Point, Point)) {
+        self.textured_grid(cells, ends, |u, v| [ends[0].texture(u), ends[1].texture(v)], at);
+    }
+
+    /// The same with texture coordinates by a function of (u, v).
+    pub(super) fn textured_grid(
+        &mut self,
+        cells: [usize; 2],
+        ends: [Ends; 2],
+        uv: impl Fn(f64, f64) -> [f64; 2],
+        at: impl Fn(f64, f64) -> (Point, Point),
+    ) {
         let (nu, nv) = (ends[0].rows(cells[0]), ends[1].rows(cells[1]));
         self.count += nu * nv;
         if self.counts_only {
@@ -74,8 +102,9 @@ impl Builder {
         let base = self.positions.len();
         for i in 0..nu {
             for j in 0..nv {
-                let (position, normal) = at(i as f64 / cells[0] as f64, j as f64 / cells[1] as f64);
-                self.vertex(position, normal);
+                let (u, v) = (i as f64 / cells[0] as f64, j as f64 / cells[1] as f64);
+                let (position, normal) = at(u, v);
+                self.vertex(position, normal, uv(u, v));
             }
         }
         let index = |i: usize, j: usize| (base + (i % nu) * nv + j % nv) as u32;
@@ -92,7 +121,7 @@ impl Builder {
         }
     }
 
-    /// A closed box with hard edges.
+    /// A closed box with hard edges. The texture covers each side.
     pub(super) fn cuboid(&mut self, min: [f64; 3], max: [f64; 3], spacing: f64) {
         let (low, high) = (Point::from(min), Point::from(max));
         let size = high - low;
@@ -116,7 +145,8 @@ impl Builder {
         }
     }
 
-    /// A closed cone stump between two points, with its caps.
+    /// A closed cone stump between two points, with its caps. The texture goes around twice, there and back, and along
+    /// once; on a cap it is cut to a disc.
     pub(super) fn rod(&mut self, ends: [[f64; 3]; 2], radii: [f64; 2], spacing: f64) {
         let [from, to] = ends.map(Point::from);
         let (axis, length) = ((to - from).normalize(), (to - from).norm());
@@ -136,12 +166,14 @@ impl Builder {
             if self.counts_only {
                 continue;
             }
-            let hub = self.vertex(centre, axis * outward);
+            let hub = self.vertex(centre, axis * outward, [0.5; 2]);
             for i in 0..sides {
                 // The same arithmetic as the side's, so that rims coincide to the bit.
                 let u = i as f64 / sides as f64;
                 let rim = if outward < 0.0 { from } else { from + axis * length };
-                self.vertex(rim + radial(u) * radius, axis * outward);
+                let (sin, cos) = (TAU * u).sin_cos();
+                let uv = [0.5 + 0.5 * cos, 0.5 + 0.5 * outward * sin];
+                self.vertex(rim + radial(u) * radius, axis * outward, uv);
             }
             for i in 0..sides as u32 {
                 let (a, b) = (hub + 1 + i, hub + 1 + (i + 1) % sides as u32);
@@ -150,7 +182,8 @@ impl Builder {
         }
     }
 
-    /// A sphere: an icosahedron whose edges are cut into equal parts.
+    /// A sphere: an icosahedron whose edges are cut into equal parts. Texture coordinates are those of
+    /// [`hemispheres`].
     pub(super) fn sphere(&mut self, centre: [f64; 3], radius: f64, spacing: f64) {
         let parts = ((1.1 * radius / spacing).round() as usize).max(1);
         self.count += 10 * parts * parts + 2;
@@ -171,7 +204,7 @@ impl Builder {
                     let vertex = *known.entry(key).or_insert_with(|| {
                         let p = (0..3).fold(Point::zeros(), |p, k| p + corners[triangle[k]] * weights[k] as f64);
                         let n = p.normalize();
-                        self.vertex(centre + n * radius, n)
+                        self.vertex(centre + n * radius, n, hemispheres(&n))
                     });
                     row.push(vertex);
                 }
@@ -197,7 +230,13 @@ impl Builder {
             let t = 2.0 * t - 1.0;
             half * t * (FINE + (1.0 - FINE) * t * t)
         };
-        self.grid([cells, cells], [Ends::Open; 2], |u, v| (Point::new(place(v), 0.0, place(u)), Point::y()));
+        let along = |t: f64| 0.5 + 0.5 * place(t) / half;
+        self.textured_grid(
+            [cells, cells],
+            [Ends::Open; 2],
+            |u, v| [along(v), 1.0 - along(u)],
+            |u, v| (Point::new(place(v), 0.0, place(u)), Point::y()),
+        );
         for side in 0..4 {
             let turn = |x: f64, y: f64, z: f64| match side {
                 0 => Point::new(x, y, z),
@@ -210,6 +249,15 @@ impl Builder {
             });
         }
     }
+}
+
+/// Texture coordinates of a direction: the halves z ≥ 0 and z ≤ 0 of the sphere each cover the same disc by Lambert's
+/// equal-area projection, with u along x and v along y, so that the half behind has the mirror image of the one in
+/// front. There is no pole and no seam.
+fn hemispheres(n: &Point) -> [f64; 2] {
+    // (x, y) √(1 − |z|) / √(x² + y²), without the quotient 0 / 0.
+    let scale = 0.5 / (1.0 + n.z.abs()).sqrt();
+    [0.5 + scale * n.x, 0.5 + scale * n.y]
 }
 
 /// Unit corners and outward counter-clockwise faces.
@@ -241,4 +289,75 @@ fn icosahedron() -> ([Point; 12], [[usize; 3]; 20]) {
         }
     }
     (corners, faces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest distance in the texture between two corners of a face, and the mesh.
+    fn widest(build: impl Fn(&mut Builder)) -> (f32, Mesh) {
+        let mut builder = Builder::new();
+        build(&mut builder);
+        let (mesh, _) = builder.finish().unwrap();
+        let uv = mesh.uv().unwrap();
+        assert!(uv.iter().flat_map(|c| c.iter()).all(|c| (0.0..=1.0).contains(c)));
+        let pairs = mesh.faces().iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        let far = |[a, b]: [u32; 2]| (uv[a as usize] - uv[b as usize]).amax();
+        (pairs.map(far).fold(0.0, f32::max), mesh)
+    }
+
+    #[test]
+    fn joined_ends_have_no_seam() {
+        let place = |u: f64, v: f64| {
+            let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (TAU * v).sin_cos());
+            (Point::new((2.0 + cu) * cv, su, (2.0 + cu) * sv), Point::new(cu * cv, su, cu * sv))
+        };
+        let (width, mesh) = widest(|b| b.grid([20, 25], [Ends::Joined; 2], place));
+        assert!((width - 0.1).abs() < 1e-6, "{width}");
+        assert_eq!(mesh.uv().unwrap()[0], Vector2::zeros());
+        let (width, _) = widest(|b| b.grid([20, 25], [Ends::Joined, Ends::Open], place));
+        assert!((width - 0.1).abs() < 1e-6, "{width}");
+    }
+
+    #[test]
+    fn spheres_have_no_seam_and_their_texture_stands_upright() {
+        let (width, mesh) = widest(|b| b.sphere([1.0, 2.0, 3.0], 0.5, 0.05));
+        // Edges of an eleventh of 63.4°, a little longer in the middle of a side; the projection stretches by 2^-1/2.
+        assert!(width < 0.1, "{width}");
+        for (n, uv) in mesh.normals().iter().zip(mesh.uv().unwrap()) {
+            let from_middle = uv.map(|c| 2.0 * c - 1.0);
+            assert!((from_middle.norm_squared() - (1.0 - n.z.abs())).abs() < 1e-6);
+            assert!(from_middle.perp(&n.xy()).abs() < 1e-6 && from_middle.dot(&n.xy()) >= 0.0);
+        }
+        let mesh = mesh.with_tangents_from_uv().unwrap();
+        let handedness = mesh.uv_handedness().unwrap();
+        for ((n, t), h) in mesh.normals().iter().zip(mesh.tangents()).zip(handedness) {
+            if n.z.abs() > 0.2 {
+                assert!(t.x > 0.0 && h == n.z.signum());
+            }
+        }
+    }
+
+    #[test]
+    fn caps_floors_and_boxes_are_not_mirrored() {
+        let build: [fn(&mut Builder); 3] = [
+            |b| b.cuboid([-1.0, 0.0, 2.0], [1.0, 0.5, 3.0], 0.25),
+            |b| b.floor(2.0, 0.1, 0.2),
+            |b| b.rod([[0.0; 3], [0.0, 1.0, 2.0]], [0.3, 0.2], 0.1),
+        ];
+        for (i, build) in build.into_iter().enumerate() {
+            let mesh = widest(build).1;
+            let hands = mesh.uv_handedness().unwrap();
+            let mirrored = hands.iter().filter(|h| **h < 0.0).count();
+            assert_eq!(mirrored > 0, i == 2, "{i}");
+            let caps = |n: &Vector3<f32>| n.dot(&Vector3::new(0.0, 1.0, 2.0).normalize()).abs() > 0.9;
+            assert!(i < 2 || hands.iter().zip(mesh.normals()).all(|(h, n)| *h > 0.0 || !caps(n)));
+        }
+        let floor = widest(build[1]).1.with_tangents_from_uv().unwrap();
+        for v in (0..floor.normals().len()).filter(|&v| floor.normals()[v].y > 0.5) {
+            assert!((floor.tangents()[v] - Vector3::x()).norm() < 1e-6);
+            assert!((floor.local_frame(v).bitangent + Vector3::z()).norm() < 1e-6);
+        }
+    }
 }

@@ -20,6 +20,13 @@ use crate::{Error, Result};
 /// smooth surfaces and split vertices at hard edges. Solids are closed; floors and the relief are open sheets with a
 /// skirt.
 ///
+/// Texture coordinates are in [0, 1]² and cover it once for each piece of a part: seen from above on floors and the
+/// relief (u along +x, v along −z), (along, up) on skirts and the sides of boxes, a disc on the caps of rods. Round
+/// surfaces share the vertices of their seams, which no texture may cut: around rods, and around and along the knot,
+/// the coordinate runs from 0 to 1 and back again, and the halves of a sphere in front of and behind its centre (z)
+/// have one disc, u along x and v along y. So a half of each of these is mirrored:
+/// [`Mesh::uv_handedness`](crate::scene::Mesh::uv_handedness).
+///
 /// # Example
 /// ```
 /// use haarmonic::scene::Procedural;
