@@ -182,7 +182,7 @@ fn faults_beside_the_mesh_inside_of_what_it_needs() {
     document.json["nodes"][0] = json!({"mesh": 0, "camera": "front", "name": 4, "weights": 1, "extensions": []});
     document.json["meshes"][0]["weights"] = json!("heavy");
     document.primitive()["material"] = json!(9);
-    document.primitive()["attributes"]["TEXCOORD_0"] = json!("none");
+    document.primitive()["attributes"]["TEXCOORD_1"] = json!("none");
     document.json["accessors"][0]["min"] = json!("unknown");
     document.json["accessors"][0]["max"] = json!([1e300]);
     document.json["bufferViews"][0]["target"] = json!(7);
@@ -199,6 +199,72 @@ fn faults_beside_the_mesh_inside_of_what_it_needs() {
             "nodes[0].name: is not a string, like 3 fields more there; the mesh does not need it",
         ]
     );
+}
+
+#[test]
+fn texture_coordinates_are_turned_round() {
+    let expected = [[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
+    let floats = bytes!(f32: 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0);
+    let shorts = bytes!(u16: 0, 0, 65535, 0, 65535, 65535, 0, 65535);
+    let chars = [0_u8, 0, 255, 0, 255, 255, 0, 255];
+    for (bytes, component) in [(&floats[..], F32), (&shorts, 5123), (&chars, 5121)] {
+        let mut document = Document::square();
+        let accessor = document.accessor(bytes, component, 4, "VEC2");
+        document.json["accessors"][accessor]["normalized"] = json!(component != F32);
+        document.primitive()["attributes"]["TEXCOORD_0"] = json!(accessor);
+        document.json["nodes"][0]["scale"] = json!([-1.0, 1.0, 1.0]);
+        let loaded = document.read().unwrap();
+        assert_eq!(messages(&loaded), [""; 0]);
+        for (position, uv) in loaded.value.positions().iter().zip(loaded.value.uv().unwrap()) {
+            // The square's own coordinates, before it is mirrored, are 2 u and 2 (1 − v).
+            assert_eq!([-0.5 * position.x, 1.0 - 0.5 * position.y], [uv.x, uv.y]);
+            assert!(expected.contains(&(*uv).into()));
+        }
+    }
+    // What lies between the whole numbers: 51 / 255 = 0.2.
+    let mut document = Document::square();
+    let accessor = document.accessor(&[51, 51, 0, 0, 51, 51, 0, 0], 5121, 4, "VEC2");
+    document.json["accessors"][accessor]["normalized"] = json!(true);
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(accessor);
+    let uv = document.read().unwrap().value.uv().unwrap()[0];
+    assert_eq!([uv.x, uv.y], [0.2, 0.8]);
+}
+
+#[test]
+fn faults_in_texture_coordinates_are_warnings() {
+    let mut document = Document::square();
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!("none");
+    let place = "mesh 0 primitive 0 TEXCOORD_0";
+    let lost = "1 primitive has texture coordinates that cannot be read; left out";
+    let check = |document: &Document, reason: &str| {
+        let loaded = document.read().unwrap();
+        assert_eq!(loaded.value.uv(), None);
+        assert_eq!(messages(&loaded), [format!("{place}: {reason}: {lost}")]);
+    };
+    check(&document, "\"TEXCOORD_0\" is not a whole number that fits");
+    let accessor = document.accessor(&bytes!(f32: 0.0, 0.0, 1.0, 0.0, 1.0, 1.0), F32, 3, "VEC2");
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(accessor);
+    check(&document, &format!("accessor {accessor}: 3 pairs for 4 positions"));
+    let accessor = document.accessor(&bytes!(u32: 0, 0, 1, 0, 1, 1, 0, 0), 5125, 4, "VEC2");
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(accessor);
+    check(&document, &format!("accessor {accessor}: texture coordinates cannot be 32-bit integers"));
+    // Numbers that are not finite, and a second primitive without any.
+    let nan = bytes!(f32: 0.0, f32::NAN, 1.0, 0.0, f32::INFINITY, 1.0, 0.5, 1.0);
+    let accessor = document.accessor(&nan, F32, 4, "VEC2");
+    document.primitive()["attributes"]["TEXCOORD_0"] = json!(accessor);
+    let second = json!({"attributes": {"POSITION": 0}, "indices": 1});
+    document.json["meshes"][0]["primitives"].as_array_mut().unwrap().push(second);
+    document.json["nodes"][0]["children"] = json!([]);
+    let loaded = document.read().unwrap();
+    let warnings = messages(&loaded);
+    assert_eq!(
+        warnings[..2],
+        [
+            format!("{place} 0: 2 texture coordinates are malformed, NaN or infinite; set to (0, 0)"),
+            "triangle 2: 6 corners of triangles have no texture coordinates, others have; set to (0, 0)".into(),
+        ]
+    );
+    assert!(loaded.value.uv().unwrap().iter().any(|uv| [uv.x, uv.y] == [0.5, 0.0]));
 }
 
 #[test]

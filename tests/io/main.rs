@@ -12,3 +12,4 @@ mod pictures;
 mod ply;
 #[path = "../support/mod.rs"]
 mod support;
+mod texture;

@@ -43,6 +43,9 @@ fn check(read: Result<Loaded<Mesh>>) {
     }
     let vertices = mesh.positions().len();
     assert_eq!((mesh.normals().len(), mesh.tangents().len()), (vertices, vertices));
+    if let Some(uv) = mesh.uv() {
+        assert!(uv.len() == vertices && uv.iter().all(|c| c.x.is_finite() && c.y.is_finite()), "{uv:?}");
+    }
     assert!(mesh.origin().iter().all(|c| c.is_finite()), "origin {:?}", mesh.origin());
     let mut used = vec![false; vertices];
     for face in mesh.faces() {
@@ -68,5 +71,6 @@ fn check(read: Result<Loaded<Mesh>>) {
     if mesh.origin() == Vector3::zeros() {
         let again = again.expect("what is written can be read").value;
         assert_eq!((again.positions().len(), again.faces().len()), (vertices, mesh.faces().len()));
+        assert_eq!(again.uv().is_some(), mesh.uv().is_some());
     }
 }

@@ -6,7 +6,7 @@ mod repair;
 mod sides;
 mod winding;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use self::origin::repeats;
 use self::repair::Rounded;
@@ -28,6 +28,11 @@ pub(super) struct Soup {
     /// One a position if the file has any; zero where it has none for that vertex.
     pub(super) normals: Option<Vec<Vector3<f32>>>,
     pub(super) faces: Vec<[u32; 3]>,
+    /// Texture coordinates of the corners of the first faces, [`NO_UV`](Self::NO_UV) where the file gives none; none
+    /// for the faces from there on.
+    pub(super) corner_uv: Vec<[Vector2<f32>; 3]>,
+    /// Texture coordinates that are not finite numbers.
+    bad_uv: Count,
     /// Polygons of more than three corners: index of the first triangle of the fan, number of triangles.
     fans: Vec<(usize, usize)>,
     smoothing: SmoothingRuns,
@@ -36,6 +41,9 @@ pub(super) struct Soup {
 }
 
 impl Soup {
+    /// Stands for the texture coordinates of a corner that has none.
+    pub(super) const NO_UV: Vector2<f32> = Vector2::new(f32::NAN, f32::NAN);
+
     /// A soup that becomes a mesh as the options say.
     pub(super) fn new(options: &MeshOptions) -> Self {
         Self { options: *options, ..Self::default() }
@@ -67,6 +75,52 @@ impl Soup {
         self.faces.extend(corners[1..].windows(2).map(|w| [corners[0], w[0], w[1]]));
     }
 
+    /// Texture coordinates in `f32`; those that are not finite there are counted and become (0, 0).
+    pub(super) fn finite_uv(&mut self, pair: [f64; 2], place: impl FnOnce() -> String) -> Vector2<f32> {
+        let rounded = Vector2::from(pair).cast::<f32>();
+        if rounded.iter().all(|c| c.is_finite()) {
+            return rounded;
+        }
+        self.bad_uv.add(place);
+        Vector2::zeros()
+    }
+
+    /// Gives the triangles from number `first` on, which are the fan of a polygon, the texture coordinates of its
+    /// corners.
+    pub(super) fn push_corner_uv(&mut self, first: usize, polygon: &[Vector2<f32>]) {
+        self.corner_uv.resize(first, [Self::NO_UV; 3]);
+        self.corner_uv.extend((first..self.faces.len()).map(|f| [0, f - first + 1, f - first + 2].map(|k| polygon[k])));
+    }
+
+    /// Gives all corners the texture coordinates of their vertices, of which there is one a vertex.
+    pub(super) fn set_vertex_uv(&mut self, uv: &[Vector2<f32>]) {
+        self.corner_uv = self.faces.iter().map(|f| f.map(|i| uv[i as usize])).collect();
+    }
+
+    /// Leaves either no texture coordinates or finite ones at every corner.
+    fn complete_uv(&mut self, report: &mut Report) {
+        std::mem::take(&mut self.bad_uv).warn(report, |n| {
+            let pairs = plural(n, "texture coordinate is", "texture coordinates are");
+            format!("{pairs} malformed, NaN or infinite; set to (0, 0)")
+        });
+        if self.corner_uv.is_empty() {
+            return;
+        }
+        self.corner_uv.resize(self.faces.len(), [Self::NO_UV; 3]);
+        let mut without = Count::default();
+        for (i, pair) in self.corner_uv.as_flattened_mut().iter_mut().enumerate().filter(|(_, p)| p.x.is_nan()) {
+            without.add(|| format!("triangle {}", i / 3));
+            *pair = Vector2::zeros();
+        }
+        if without.n == 3 * self.faces.len() {
+            return self.corner_uv.clear();
+        }
+        without.warn(report, |n| {
+            let corners = plural(n, "corner of a triangle has", "corners of triangles have");
+            format!("{corners} no texture coordinates, others have; set to (0, 0)")
+        });
+    }
+
     /// Appends the copies of vertices that a splitter of these vertices made; their normals are the caller's.
     pub(super) fn push_copies<K: Copy + Eq + std::hash::Hash>(&mut self, splitter: &Splitter<K>) {
         for &source in splitter.sources() {
@@ -82,7 +136,7 @@ impl Soup {
     /// Coordinates are rounded to `f32`, far from zero after an origin has been taken off. Polygons are cut, vertices
     /// split where faces do not share their normals, faces without area and vertices without a face dropped, faces
     /// turned as the options say; normals that are zero or not finite are computed from the faces, and normals are
-    /// scaled to unit length.
+    /// scaled to unit length. Last, vertices are split where corners have different texture coordinates.
     pub(super) fn into_mesh(mut self, mut report: Report) -> Result<Loaded<Mesh>> {
         std::mem::take(&mut self.slivers)
             .warn(&mut report, |n| format!("{} with fewer than three corners left out", plural(n, "face", "faces")));
@@ -100,6 +154,7 @@ impl Soup {
             );
         }
         self.check_finite(&report)?;
+        self.complete_uv(&mut report);
         let up = self.options.up;
         self.positions.iter_mut().for_each(|p| *p = up.turn(p));
         self.normals.iter_mut().flatten().for_each(|n| *n = up.turn(n));
@@ -144,6 +199,7 @@ impl Soup {
             positions,
             normals: self.normals,
             faces: self.faces,
+            corner_uv: self.corner_uv,
             fans: self.fans,
             smoothing: self.smoothing,
             origin: *origin,

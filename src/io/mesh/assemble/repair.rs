@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Vector2, Vector3};
 
 use super::origin::repeats;
 use super::polygon::{Cut, Cutter};
@@ -22,6 +22,8 @@ pub(super) struct Rounded {
     pub(super) positions: Vec<Vector3<f32>>,
     pub(super) normals: Option<Vec<Vector3<f32>>>,
     pub(super) faces: Vec<[u32; 3]>,
+    /// Texture coordinates of the corners of every face; empty without.
+    pub(super) corner_uv: Vec<[Vector2<f32>; 3]>,
     pub(super) fans: Vec<(usize, usize)>,
     pub(super) smoothing: SmoothingRuns,
     pub(super) origin: Vector3<f64>,
@@ -61,6 +63,8 @@ impl Rounded {
             None => Mesh::new(self.positions, self.faces),
         }
         .and_then(|mesh| mesh.with_origin(self.origin))
+        // Last of all: seams of a texture change neither the normals nor what is repaired.
+        .and_then(|mesh| if self.corner_uv.is_empty() { Ok(mesh) } else { mesh.with_corner_uv(&self.corner_uv) })
         .map_err(failed)?;
         Ok(report.loaded(mesh))
     }
@@ -185,6 +189,7 @@ impl Rounded {
     /// Cuts the polygons that the fan does not cover. The polygon of each face.
     fn cut_polygons(&mut self, ranges: &[Range<usize>], report: &mut Report) -> Vec<u32> {
         let mut faces = Vec::with_capacity(self.faces.len());
+        let mut corner_uv = Vec::with_capacity(self.corner_uv.len());
         let mut polygon_of = Vec::with_capacity(self.faces.len());
         let mut crossing = Count::default();
         let (mut cutter, mut corners) = (Cutter::default(), Vec::new());
@@ -202,12 +207,19 @@ impl Rounded {
             }
             if cut == Cut::Fan || cutter.triangles.is_empty() {
                 faces.extend_from_slice(&self.faces[range.clone()]);
+                corner_uv.extend_from_slice(self.corner_uv.get(range.clone()).unwrap_or_default());
             } else {
-                faces.extend(cutter.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|k| corners[k as usize])));
+                let (triangles, _) = cutter.triangles.as_chunks::<3>();
+                faces.extend(triangles.iter().map(|t| t.map(|k| corners[k as usize])));
+                if !self.corner_uv.is_empty() {
+                    let pairs: Vec<_> = sides::corners(&self.corner_uv, range).collect();
+                    corner_uv.extend(triangles.iter().map(|t| t.map(|k| pairs[k as usize])));
+                }
             }
             polygon_of.resize(faces.len(), p as u32);
         }
         self.faces = faces;
+        self.corner_uv = corner_uv;
         crossing.warn(report, |n| {
             format!(
                 "the outline of {} crosses itself; the triangles cover more or less than it encloses",
@@ -232,6 +244,7 @@ impl Rounded {
             return Err(report.error("", format!("all {} faces have no area", dropped.n)));
         }
         keep(&mut self.faces, &kept);
+        keep(&mut self.corner_uv, &kept);
         keep(polygon_of, &kept);
         dropped.warn(report, |n| format!("{} without area left out", plural(n, "triangle", "triangles")));
         Ok(())
@@ -261,6 +274,7 @@ impl Rounded {
             let again = skipped[f] && !twin(f).both_ways && turned_polygon[twin(f).first as usize];
             if turned[f] || again {
                 self.faces[f].swap(1, 2);
+                self.corner_uv.get_mut(f).into_iter().for_each(|corners| corners.swap(1, 2));
             }
         }
     }

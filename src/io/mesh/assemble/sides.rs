@@ -32,8 +32,8 @@ pub(super) fn buckets(keys: usize, items: usize, key: impl Fn(u32) -> u32) -> (V
     (order, starts)
 }
 
-/// The corners of a polygon that was cut as the fan of triangles `faces[range]`.
-pub(super) fn corners<'a>(faces: &'a [[u32; 3]], range: &Range<usize>) -> impl Iterator<Item = u32> + 'a {
+/// The corners of a polygon that was cut as the fan of triangles `faces[range]`, or what is stored for them.
+pub(super) fn corners<'a, T: Copy>(faces: &'a [[T; 3]], range: &Range<usize>) -> impl Iterator<Item = T> + 'a {
     let fan = &faces[range.clone()];
     fan.first().into_iter().flat_map(|f| [f[0], f[1]]).chain(fan.iter().map(|f| f[2]))
 }

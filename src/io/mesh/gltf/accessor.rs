@@ -13,6 +13,7 @@ use crate::io::report::excerpt;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     Scalar,
+    Vec2,
     Vec3,
     Vec4,
 }
@@ -21,6 +22,7 @@ impl Shape {
     fn name(self) -> &'static str {
         match self {
             Self::Scalar => "SCALAR",
+            Self::Vec2 => "VEC2",
             Self::Vec3 => "VEC3",
             Self::Vec4 => "VEC4",
         }
@@ -29,6 +31,7 @@ impl Shape {
     fn width(self) -> usize {
         match self {
             Self::Scalar => 1,
+            Self::Vec2 => 2,
             Self::Vec3 => 3,
             Self::Vec4 => 4,
         }

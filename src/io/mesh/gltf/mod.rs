@@ -46,6 +46,10 @@ use crate::{Error, Result};
 /// A primitive without normals is flat, as the standard demands: every corner has the normal of its face, and every
 /// face vertices of its own (a vertex keeps its place in the list for the first one; the others are appended).
 ///
+/// Texture coordinates are `TEXCOORD_0`, `f32` or integers; v, which runs downwards in these files, becomes 1 − v, so
+/// that it runs upwards as in [`Mesh::uv`]. Other sets and `KHR_texture_transform` are not read. A set that cannot be
+/// read is left out with a warning.
+///
 /// Buffers are the GLB's own or base64 data URIs; those in files beside need [`load_mesh`](super::load_mesh), which
 /// follows relative paths into the file's own folder or below and nothing else (no `..`, no absolute path, no other
 /// scheme; symbolic links are followed).
@@ -134,6 +138,7 @@ struct Skipped {
     skins: Count,
     morphs: Count,
     uneven: Count,
+    uv: Count,
 }
 
 struct Reader<'a> {
@@ -235,13 +240,17 @@ impl<'a> Reader<'a> {
 
     fn finish(mut self) -> Result<Loaded<Mesh>> {
         let report = &mut self.report;
-        let Skipped { primitives, skins, morphs, uneven } = self.skipped;
+        let Skipped { primitives, skins, morphs, uneven, uv } = self.skipped;
         let points = primitives.n;
         primitives.warn(report, |n| format!("{} of points or lines left out", plural(n, "primitive", "primitives")));
         skins.warn(report, |n| format!("{} left out; the mesh stands as stored", plural(n, "skin", "skins")));
         morphs.warn(report, |n| format!("morph targets of {} left out", plural(n, "primitive", "primitives")));
         uneven.warn(report, |n| {
             format!("{} left over corners", plural(n, "list of triangles has", "lists of triangles have"))
+        });
+        uv.warn(report, |n| {
+            let what = plural(n, "primitive has texture coordinates", "primitives have texture coordinates");
+            format!("{what} that cannot be read; left out")
         });
         if let Some(normals) = &mut self.soup.normals {
             normals.resize(self.soup.positions.len(), nalgebra::Vector3::zeros());

@@ -6,6 +6,7 @@ use super::Reader;
 use super::accessor::{Component, Elements, Shape};
 use super::document::{Object, extension, field, index};
 use crate::Result;
+use crate::io::mesh::assemble::Soup;
 use crate::io::mesh::split::Smoothing;
 
 /// The most vertices, and the most triangles, that the instances of a scene may add up to: 2²⁶.
@@ -19,6 +20,7 @@ const FAN: usize = 6;
 struct Geometry<'a> {
     positions: Elements<'a>,
     normals: Option<Elements<'a>>,
+    uv: Option<Elements<'a>>,
     corners: Vec<u32>,
     mode: usize,
 }
@@ -48,7 +50,11 @@ impl<'a> Reader<'a> {
         transforms: &[Matrix4<f64>],
         place: &str,
     ) -> Result<()> {
-        let geometry = self.geometry(primitive, mode.unwrap_or(4), place)?;
+        let mut geometry = self.geometry(primitive, mode.unwrap_or(4), place)?;
+        geometry.uv = self.texture_coordinates(primitive, geometry.positions.count).unwrap_or_else(|reason| {
+            self.skipped.uv.add(|| format!("{place} TEXCOORD_0: {reason}"));
+            None
+        });
         let n = transforms.len();
         let beyond = |so_far: usize, more: usize| more.checked_mul(n).is_none_or(|m| m > MOST - so_far);
         let (vertices, triangles) = (geometry.positions.count, geometry.triangles());
@@ -95,7 +101,22 @@ impl<'a> Reader<'a> {
         let indices = index(primitive, "indices").map_err(|e| self.report.error(place, e))?;
         let indices = indices.map(|i| elements("indices", i, Shape::Scalar)).transpose()?;
         let corners = corners(indices.as_ref(), positions.count).map_err(|e| error("indices", e))?;
-        Ok(Geometry { positions, normals, corners, mode })
+        Ok(Geometry { positions, normals, uv: None, corners, mode })
+    }
+
+    /// The first set of texture coordinates, one a position; nothing that is wrong with it loses the mesh.
+    fn texture_coordinates(&self, primitive: &'a Object, count: usize) -> Result<Option<Elements<'a>>, String> {
+        let Some(attributes) = field(primitive, "attributes").and_then(|a| a.as_object()) else { return Ok(None) };
+        let Some(number) = index(attributes, "TEXCOORD_0")? else { return Ok(None) };
+        let at = |reason: String| format!("accessor {number}: {reason}");
+        let elements = Elements::new(self.buffers, number, Shape::Vec2).map_err(at)?;
+        if elements.component == Component::U32 {
+            return Err(at("texture coordinates cannot be 32-bit integers".into()));
+        }
+        if elements.count != count {
+            return Err(at(format!("{} pairs for {count} positions", elements.count)));
+        }
+        Ok(Some(elements))
     }
 
     fn instance(&mut self, geometry: &Geometry<'_>, transform: &Matrix4<f64>, place: &str) {
@@ -125,10 +146,18 @@ impl<'a> Reader<'a> {
                 self.soup.set_smoothing(Smoothing::Flat);
             }
         }
-        self.soup.faces.extend((0..geometry.triangles()).map(|k| {
-            let [a, b, c] = geometry.triangle(k).map(|i| i + before as u32);
-            if mirrored { [a, c, b] } else { [a, b, c] }
-        }));
+        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        if let Some(stored) = &geometry.uv {
+            // In the file v runs downwards.
+            let pair = |i| [stored.get(i, 0), 1.0 - stored.get(i, 1)];
+            let uv: Vec<_> =
+                (0..stored.count).map(|i| self.soup.finite_uv(pair(i), || format!("{place} TEXCOORD_0 {i}"))).collect();
+            self.soup.corner_uv.resize(self.soup.faces.len(), [Soup::NO_UV; 3]);
+            let corners = (0..geometry.triangles()).map(|k| turned(geometry.triangle(k)).map(|i| uv[i as usize]));
+            self.soup.corner_uv.extend(corners);
+        }
+        let faces = (0..geometry.triangles()).map(|k| turned(geometry.triangle(k)).map(|i| i + before as u32));
+        self.soup.faces.extend(faces);
     }
 }
 

@@ -54,9 +54,11 @@ impl Scalar {
 /// What a property is to a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// Coordinate 0…2 of the position, 3…5 of the normal.
+    /// Coordinate 0…2 of the position, 3…5 of the normal, 6 and 7 of the texture.
     Coordinate(usize),
     Polygon,
+    /// Texture coordinates of the corners of the polygon, u and v of one after the other.
+    CornerUv,
     Strips,
     Skipped,
 }
@@ -122,7 +124,7 @@ pub(super) fn magic(bytes: &[u8]) -> Option<usize> {
 }
 
 impl Header {
-    pub(super) fn read(bytes: &[u8], report: &Report) -> Result<Self> {
+    pub(super) fn read(bytes: &[u8], report: &mut Report) -> Result<Self> {
         let at = magic(bytes)
             .ok_or_else(|| report.error("line 1", "not a PLY file: it does not begin with a line \"ply\""))?;
         let end = bytes.windows(10).position(|w| w == b"end_header").unwrap_or(bytes.len());
@@ -174,8 +176,8 @@ impl Header {
         self.elements.iter().filter(|e| !e.properties.is_empty())
     }
 
-    /// Checks that there is a mesh and gives up normals that are not complete.
-    fn check(&mut self, report: &Report) -> Result<()> {
+    /// Checks that there is a mesh, gives up normals that are not complete and chooses the texture coordinates.
+    fn check(&mut self, report: &mut Report) -> Result<()> {
         let vertex = self.elements.iter_mut().filter(|e| e.name == "vertex").collect::<Vec<_>>();
         let [vertex] = <[_; 1]>::try_from(vertex)
             .map_err(|v| report.error("header", format!("{} elements \"vertex\"; there must be one", v.len())))?;
@@ -195,6 +197,7 @@ impl Header {
             let normals = vertex.properties.iter_mut().filter(|p| matches!(p.role, Role::Coordinate(3..)));
             normals.for_each(|p| p.role = Role::Skipped);
         }
+        choose_uv(vertex, report);
         let has_faces = |p: &Property| matches!(p.role, Role::Polygon | Role::Strips);
         if !self.elements.iter().flat_map(|e| &e.properties).any(has_faces) {
             return Err(report.error(
@@ -205,6 +208,31 @@ impl Header {
         Ok(())
     }
 }
+
+/// Gives the first complete pair of texture coordinates of the vertices its role, and warns of halves.
+fn choose_uv(vertex: &mut Element, report: &mut Report) {
+    let mut chosen = false;
+    for pair in UV {
+        let is_scalar = |p: &Property, name: &str| p.count.is_none() && p.name == name;
+        let counts = pair.map(|name| vertex.properties.iter().filter(|p| is_scalar(p, name)).count());
+        if counts == [1, 1] {
+            if !std::mem::replace(&mut chosen, true) {
+                for (name, role) in pair.into_iter().zip([6, 7].map(Role::Coordinate)) {
+                    vertex.properties.iter_mut().filter(|p| is_scalar(p, name)).for_each(|p| p.role = role);
+                }
+            }
+        } else if counts != [0, 0] {
+            let [(a, n), (b, m)] = [(pair[0], counts[0]), (pair[1], counts[1])];
+            report.warn(
+                format!("line {}", vertex.line),
+                format!("element \"vertex\" has {n} properties \"{a}\" and {m} \"{b}\", not one each; left out"),
+            );
+        }
+    }
+}
+
+/// Names of texture coordinates, the first pair that is there.
+const UV: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
 
 const COORDINATES: [&str; 6] = ["x", "y", "z", "nx", "ny", "nz"];
 
@@ -234,10 +262,11 @@ impl Property {
                 }
                 let role = match (element, name) {
                     ("face", "vertex_indices" | "vertex_index") => Role::Polygon,
+                    ("face", "texcoord") if item.is_float() => Role::CornerUv,
                     ("tristrips", "vertex_indices" | "vertex_index") => Role::Strips,
                     _ => Role::Skipped,
                 };
-                if role != Role::Skipped && item.is_float() {
+                if matches!(role, Role::Polygon | Role::Strips) && item.is_float() {
                     return Err(format!("list \"{name}\" holds floating-point numbers, not indices"));
                 }
                 Ok(Self { name: name.into(), count: Some(count), scalar: item, role })

@@ -7,7 +7,7 @@ mod ascii;
 mod binary;
 mod header;
 
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 
 use self::ascii::{Ascii, Layout};
 use self::binary::Binary;
@@ -22,18 +22,21 @@ use crate::scene::Mesh;
 /// Reads a PLY file from its bytes; `name` is what messages call it.
 ///
 /// ASCII and binary of both byte orders. Read are `x y z` and, if all three are there, `nx ny nz` of the element
-/// `vertex`, the lists `vertex_indices` or `vertex_index` of the element `face`, and those of `tristrips` (−1
-/// separates strips). Properties may have any of the format's types and any order; other properties and elements are
-/// skipped. The header's lines may end in LF, CRLF or CR, each in its own way; blanks around words, a byte order mark,
-/// comments and blank lines do no harm.
+/// `vertex`, the lists `vertex_indices` or `vertex_index` of the element `face`, and those of `tristrips` (−1 separates
+/// strips). Texture coordinates, [`Mesh::uv`] with v upwards, are `s t`, `u v` or `texture_u texture_v` of the
+/// vertices, the first pair of these that is complete (a half of one is a warning), or the lists `texcoord` of the
+/// faces, two numbers a corner, which go before those of the vertices; vertices are split where they differ, as
+/// [`Mesh::with_corner_uv`] does. Properties may have any of the format's types and any order; other properties and
+/// elements are skipped. The header's lines may end in LF, CRLF or CR, each in its own way; blanks around words, a byte
+/// order mark, comments and blank lines do no harm.
 ///
 /// In ASCII, where there are as many lines as elements (blank ones not counted), each is an element, and values beyond
 /// the declared ones are dropped with a warning. Otherwise the values are one stream, separated by any white space;
 /// a warning says where elements go over from one line into another and share one with others. NaN may be spelt as
 /// any C library prints it.
 ///
-/// Repaired with a warning: faces with fewer than three corners, bytes after the end, and what is repaired in
-/// [every format](crate::io#meshes).
+/// Repaired with a warning: faces with fewer than three corners, texture coordinates that are NaN or infinite or not
+/// two a corner, bytes after the end, and what is repaired in [every format](crate::io#meshes).
 ///
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line, or the element and byte offset, for everything else that cannot
@@ -52,7 +55,7 @@ pub fn read_ply_with(bytes: &[u8], name: impl AsRef<std::path::Path>, options: &
     if bytes.is_empty() {
         return Err(report.error("", "the file is empty"));
     }
-    let header = Header::read(bytes, &report)?;
+    let header = Header::read(bytes, &mut report)?;
     let (soup, rest) = match header.format {
         Format::Ascii => read_ascii(&header, bytes, options, &mut report)?,
         Format::Little | Format::Big => {
@@ -131,7 +134,8 @@ fn read_elements<B: Body>(header: &Header, body: &mut B, options: &MeshOptions, 
     let mut soup = Soup::new(options);
     // Faces may come before the vertices, but their number is known.
     let vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
-    let mut row = Row { coordinates: [0.0; 6], list: Vec::new(), vertices };
+    let mut row = Row { coordinates: [0.0; 8], list: Vec::new(), uv: Vec::new(), vertices };
+    let mut vertex_uv = Vec::new();
     for element in header.elements() {
         let least = body.least(element);
         // A text without a newline at its end is one byte short.
@@ -145,34 +149,46 @@ fn read_elements<B: Body>(header: &Header, body: &mut B, options: &MeshOptions, 
             return Err(report.error(format!("line {}", element.line), reason));
         }
         let is_vertex = element.name == "vertex";
-        let has_normals = element.properties.iter().any(|p| p.role == Role::Coordinate(3));
+        let has = |role| element.properties.iter().any(|p| p.role == role);
+        let (has_normals, has_uv) = (has(Role::Coordinate(3)), has(Role::Coordinate(6)));
         if is_vertex {
             soup.positions.reserve_exact(element.count);
             soup.normals = has_normals.then(|| Vec::with_capacity(element.count));
+            vertex_uv.reserve_exact(if has_uv { element.count } else { 0 });
         }
         for index in 0..element.count {
             row.read(element, index, body, &mut soup)
                 .map_err(|reason| report.error(body.place(element, index), reason))?;
             if is_vertex {
-                let [x, y, z, nx, ny, nz] = row.coordinates;
+                let [x, y, z, nx, ny, nz, u, v] = row.coordinates;
                 soup.push_position(Vector3::new(x, y, z), || body.place(element, index));
                 soup.normals.iter_mut().for_each(|n| n.push(Vector3::new(nx, ny, nz).cast()));
+                if has_uv {
+                    vertex_uv.push(soup.finite_uv([u, v], || body.place(element, index)));
+                }
             }
         }
+    }
+    if soup.corner_uv.is_empty() && !vertex_uv.is_empty() {
+        soup.set_vertex_uv(&vertex_uv);
     }
     Ok(soup)
 }
 
 /// One element, as it is being read.
 struct Row {
-    coordinates: [f64; 6],
+    coordinates: [f64; 8],
     list: Vec<u32>,
+    /// Texture coordinates of the corners of a polygon.
+    uv: Vec<Vector2<f32>>,
     vertices: usize,
 }
 
 impl Row {
     fn read<B: Body>(&mut self, element: &Element, index: usize, body: &mut B, soup: &mut Soup) -> Result<(), String> {
         body.start_row()?;
+        let first = soup.faces.len();
+        self.uv.clear();
         for property in &element.properties {
             let Some(count) = property.count else {
                 match property.role {
@@ -199,6 +215,17 @@ impl Row {
                     }
                     soup.push_polygon(&self.list, || body.place(element, index));
                 }
+                Role::CornerUv => {
+                    for _ in 0..n / 2 {
+                        let pair = [body.value(property.scalar)?, body.value(property.scalar)?];
+                        self.uv.push(soup.finite_uv(pair, || body.place(element, index)));
+                    }
+                    // A list that does not fit is as good as none.
+                    if n % 2 == 1 {
+                        body.skip(property.scalar, 1)?;
+                        self.uv.clear();
+                    }
+                }
                 Role::Strips => {
                     self.list.clear();
                     for _ in 0..n {
@@ -214,6 +241,9 @@ impl Row {
                 }
                 _ => body.skip(property.scalar, n)?,
             }
+        }
+        if !self.uv.is_empty() && self.uv.len() == self.list.len() {
+            soup.push_corner_uv(first, &self.uv);
         }
         body.end_row();
         Ok(())

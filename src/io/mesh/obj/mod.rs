@@ -1,9 +1,13 @@
 //! Wavefront OBJ.
 //!
 //! A reader of our own: the crates for OBJ give no line number with an error and leave open what a face that names a
-//! later vertex means. What a mesh needs of the format is three statements.
+//! later vertex means. What a mesh needs of the format is four statements.
 
-use nalgebra::Vector3;
+mod corners;
+
+use nalgebra::{Vector2, Vector3};
+
+use self::corners::{NONE, Named};
 
 use super::assemble::Soup;
 use super::split::{Smoothing, Splitter};
@@ -15,10 +19,10 @@ use crate::{Error, Result};
 
 /// Reads a Wavefront OBJ file from its bytes; `name` is what messages call it.
 ///
-/// Read are `v` (the first three numbers; a weight or a colour after them is skipped), `vn` and `f` (`v`, `v/t`,
-/// `v//n`, `v/t/n`; negative indices count back from the line; a face may name vertices of later lines). Everything
-/// else is skipped: texture coordinates, groups, materials, lines, points, curves. Lines may end in LF, CRLF or CR,
-/// be continued with a backslash and be of any length.
+/// Read are `v` (the first three numbers; a weight or a colour after them is skipped), `vn`, `vt` (the first two
+/// numbers; a lone one is u, and v is 0) and `f` (`v`, `v/t`, `v//n`, `v/t/n`; negative indices count back from the
+/// line; a face may name vertices of later lines). Everything else is skipped: groups, materials, lines, points,
+/// curves. Lines may end in LF, CRLF or CR, be continued with a backslash and be of any length.
 ///
 /// Coordinates are read in `f64`. Where rounding them to `f32` would cost shape, as far from zero, an origin is taken
 /// off first, with a warning: [`Mesh::origin`].
@@ -28,12 +32,17 @@ use crate::{Error, Result};
 /// angle-weighted one of the faces around them: of all faces in a file that never says `s`; of those of the same
 /// smoothing group in one that does. `s off` and `s 0` make faces flat, each with its own normal.
 ///
+/// Texture coordinates are those of the corners: [`Mesh::uv`], with v upwards. Where faces give a vertex several
+/// different ones, further vertices are appended for them, as [`Mesh::with_corner_uv`] does, with the same normal: a
+/// seam of the texture is no edge of the surface. A file whose faces name none has no [`Mesh::uv`].
+///
 /// A backslash at the end of a line, blanks behind it or not, joins the next one, unless the next one is a statement:
 /// the backslash was the last character of a name then. In a comment it means nothing.
 ///
-/// Repaired with a warning: faces with fewer than three corners, normals that a face names and the file does not have,
-/// unknown statements, and what is repaired in [every format](crate::io#meshes). NaN and infinity are understood as
-/// other programs spell them (`-nan(ind)`, `1.#QNAN`, …).
+/// Repaired with a warning: faces with fewer than three corners, normals and texture coordinates that a face names and
+/// the file does not have, texture coordinates that are no numbers or that some corners lack, unknown statements, and
+/// what is repaired in [every format](crate::io#meshes). NaN and infinity are understood as other programs spell them
+/// (`-nan(ind)`, `1.#QNAN`, …).
 ///
 /// # Errors
 /// [`Error::File`] with the line for everything else that cannot be read: a missing or malformed number, a coordinate
@@ -102,7 +111,7 @@ fn statement_of(line: &[u8]) -> &[u8] {
 /// Whether a line begins with a keyword, and so does not go on with the statement of the line before.
 fn begins_statement(line: &[u8]) -> bool {
     let word = line.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-    [&b"v"[..], b"vn", b"f", b"fo"].contains(&word) || KNOWN.contains(&word)
+    [&b"v"[..], b"vn", b"vt", b"f", b"fo"].contains(&word) || KNOWN.contains(&word)
 }
 
 /// The physical lines with their numbers, without their ends.
@@ -127,26 +136,20 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Index of a normal that a corner does not have.
-const NONE: u32 = u32::MAX;
-
 struct Reader {
     report: Report,
     line: usize,
     soup: Soup,
     normals: Vec<Vector3<f32>>,
-    /// Per triangle corner, the index of its normal; empty until a face names one.
-    corner_normals: Vec<[u32; 3]>,
+    corner_normals: Named,
+    uv: Vec<Vector2<f32>>,
+    corner_uv: Named,
     /// The highest position that a face names, and its line: faces may come before their vertices.
     highest: (u32, usize),
-    /// The normals that faces name before they are there, and the lines.
-    early_normals: Vec<(u32, usize)>,
-    absent_normals: Count,
     bad_normals: Count,
     unknown: Count,
     unjoined: Count,
     polygon: Vec<u32>,
-    polygon_normals: Vec<u32>,
 }
 
 impl Reader {
@@ -156,15 +159,14 @@ impl Reader {
             line: 0,
             soup: Soup::new(options),
             normals: Vec::new(),
-            corner_normals: Vec::new(),
+            corner_normals: Named::default(),
+            uv: Vec::new(),
+            corner_uv: Named::default(),
             highest: (0, 0),
-            early_normals: Vec::new(),
-            absent_normals: Count::default(),
             bad_normals: Count::default(),
             unknown: Count::default(),
             unjoined: Count::default(),
             polygon: Vec::new(),
-            polygon_normals: Vec::new(),
         }
     }
 
@@ -175,7 +177,8 @@ impl Reader {
     /// A backslash stood before another statement. At the end of a name it belongs there; elsewhere it was meant to
     /// continue the line.
     fn unjoined(&mut self, start: &[u8]) {
-        if [&b"v"[..], b"vn", b"f", b"fo"].iter().any(|k| start.split(u8::is_ascii_whitespace).next() == Some(k)) {
+        if [&b"v"[..], b"vn", b"vt", b"f", b"fo"].iter().any(|k| start.split(u8::is_ascii_whitespace).next() == Some(k))
+        {
             let line = self.line;
             self.unjoined.add(|| format!("line {line}"));
         }
@@ -197,6 +200,12 @@ impl Reader {
                 let normal = self.vector(numbers, "a normal")?;
                 let normal = self.finite_normal(&normal);
                 self.normals.push(normal);
+            }
+            Some(b"vt") => {
+                let pair = texture_coordinates(numbers);
+                let line = self.line;
+                let pair = self.soup.finite_uv(pair, || format!("line {line}"));
+                self.uv.push(pair);
             }
             // `fo` is the old spelling of `f`.
             Some(b"f" | b"fo") => self.face(numbers)?,
@@ -248,26 +257,36 @@ impl Reader {
 
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<()> {
         self.polygon.clear();
-        self.polygon_normals.clear();
+        self.corner_normals.begin_polygon();
+        self.corner_uv.begin_polygon();
+        let line = self.line;
         for word in words {
             let mut parts = word.splitn(3, |&b| b == b'/');
-            let position = parts.next().unwrap_or_default();
-            let normal = parts.nth(1).filter(|n| !n.is_empty());
-            let position = self.vertex_index(position)?;
-            let normal = normal.map_or(Ok(NONE), |n| self.normal_index(n))?;
+            let position = self.vertex_index(parts.next().unwrap_or_default())?;
             self.polygon.push(position);
-            self.polygon_normals.push(normal);
+            match parts.next().filter(|t| !t.is_empty()) {
+                None => self.corner_uv.push_none(),
+                Some(word) => {
+                    // A word that is no number names nothing that is there.
+                    let so_far = self.uv.len();
+                    let index = self.index(word, "texture", so_far).map_or(None, |(_, index)| index);
+                    self.corner_uv.push(index, so_far, line, || format!("texture index {}", excerpt(word)));
+                }
+            }
+            match parts.next().filter(|n| !n.is_empty()) {
+                None => self.corner_normals.push_none(),
+                Some(word) => {
+                    let so_far = self.normals.len();
+                    let (number, index) = self.index(word, "normal", so_far)?;
+                    self.corner_normals.push(index, so_far, line, || format!("normal index {number}"));
+                }
+            }
         }
-        let line = self.line;
         let before = self.soup.faces.len();
         self.soup.push_polygon(&self.polygon, || format!("line {line}"));
-        let has_normal = self.polygon_normals.iter().any(|&n| n != NONE);
-        if !self.corner_normals.is_empty() || has_normal {
-            self.corner_normals.resize(before, [NONE; 3]);
-            let n = &self.polygon_normals;
-            self.corner_normals
-                .extend((before..self.soup.faces.len()).map(|f| [n[0], n[f - before + 1], n[f - before + 2]]));
-        }
+        let triangles = before..self.soup.faces.len();
+        self.corner_normals.end_polygon(triangles.clone());
+        self.corner_uv.end_polygon(triangles);
         Ok(())
     }
 
@@ -281,7 +300,7 @@ impl Reader {
             1.. => Some(number - 1),
             _ => (so_far as i64).checked_add(number),
         };
-        // The last one stands for a normal that is not there.
+        // The last one stands for what a corner does not name.
         Ok((number, index.and_then(|i| u32::try_from(i).ok()).filter(|&i| i != NONE)))
     }
 
@@ -298,18 +317,6 @@ impl Reader {
             self.highest = (index, self.line);
         }
         Ok(index)
-    }
-
-    /// As for vertices, but what is not there is none: faces have normals without the file's help.
-    fn normal_index(&mut self, word: &[u8]) -> Result<u32> {
-        let (number, index) = self.index(word, "normal", self.normals.len())?;
-        let line = self.line;
-        match index {
-            Some(index) if index as usize >= self.normals.len() => self.early_normals.push((index, line)),
-            Some(_) => {}
-            None => self.absent_normals.add(|| format!("line {line}: normal index {number}")),
-        }
-        Ok(index.unwrap_or(NONE))
     }
 
     fn finish(mut self) -> Result<Loaded<Mesh>> {
@@ -339,38 +346,27 @@ impl Reader {
         std::mem::take(&mut self.bad_normals).warn(&mut self.report, |n| {
             format!("{} NaN or infinite; computed from the faces", plural(n, "normal is", "normals are"))
         });
-        self.drop_absent_normals();
-        if self.corner_normals.iter().flatten().any(|&n| n != NONE) {
-            self.split_by_normal();
-        }
+        self.split_by_normal();
+        self.set_corner_uv();
         self.soup.into_mesh(self.report)
-    }
-
-    /// Takes out the normals that the file does not have.
-    fn drop_absent_normals(&mut self) {
-        let count = self.normals.len();
-        for (index, line) in std::mem::take(&mut self.early_normals) {
-            if index as usize >= count {
-                self.absent_normals.add(|| format!("line {line}: normal index {}", u64::from(index) + 1));
-            }
-        }
-        for n in self.corner_normals.iter_mut().flatten().filter(|n| **n as usize >= count) {
-            *n = NONE;
-        }
-        std::mem::take(&mut self.absent_normals).warn(&mut self.report, |n| {
-            let corners = plural(n, "corner names a normal", "corners name normals");
-            format!("{corners} that the file does not have (it has {count}); computed from the faces")
-        });
     }
 
     /// One vertex for each pair of position and normal that the faces use.
     fn split_by_normal(&mut self) {
-        self.corner_normals.resize(self.soup.faces.len(), [NONE; 3]);
+        let count = self.normals.len();
+        self.corner_normals.take_absent(count, "normal").warn(&mut self.report, |n| {
+            let corners = plural(n, "corner names a normal", "corners name normals");
+            format!("{corners} that the file does not have (it has {count}); computed from the faces")
+        });
+        if !self.corner_normals.names_any(count) {
+            return;
+        }
+        let corner_normals = std::mem::take(&mut self.corner_normals).into_triangles(self.soup.faces.len());
         let mut splitter = Splitter::new(self.soup.positions.len());
         let mut normals = vec![Vector3::zeros(); self.soup.positions.len()];
-        for (face, corner_normals) in self.soup.faces.iter_mut().zip(&self.corner_normals) {
+        for (face, corner_normals) in self.soup.faces.iter_mut().zip(&corner_normals) {
             for (corner, &n) in face.iter_mut().zip(corner_normals) {
-                let normal = if n == NONE { Vector3::zeros() } else { self.normals[n as usize] };
+                let normal = self.normals.get(n as usize).copied().unwrap_or_default();
                 // Equal bits, but +0 and −0 are one.
                 *corner = splitter.vertex(*corner, [0, 1, 2].map(|i| (normal[i] + 0.0).to_bits()));
                 if *corner as usize == normals.len() {
@@ -383,11 +379,35 @@ impl Reader {
         self.soup.push_copies(&splitter);
         self.soup.normals = Some(normals);
     }
+
+    /// The texture coordinates of the corners, if any names one that is there.
+    fn set_corner_uv(&mut self) {
+        let count = self.uv.len();
+        let any = self.corner_uv.names_any(count);
+        self.corner_uv.take_absent(count, "texture").warn(&mut self.report, |n| {
+            let corners = plural(n, "corner names texture coordinates", "corners name texture coordinates");
+            let done = if any { "set to (0, 0)" } else { "left out" };
+            format!("{corners} that the file does not have (it has {count}); {done}")
+        });
+        if any {
+            let corners = std::mem::take(&mut self.corner_uv).into_triangles(self.soup.faces.len());
+            let pair = |i: u32| match i {
+                NONE => Soup::NO_UV,
+                i => self.uv.get(i as usize).copied().unwrap_or_default(),
+            };
+            self.soup.corner_uv = corners.into_iter().map(|c| c.map(pair)).collect();
+        }
+    }
+}
+
+/// The numbers of a `vt`; NaN where they cannot be read.
+fn texture_coordinates<'a>(mut words: impl Iterator<Item = &'a [u8]>) -> [f64; 2] {
+    let read = |word: &[u8]| number::parse(word).unwrap_or(f64::NAN);
+    [words.next().map_or(f64::NAN, read), words.next().map_or(0.0, read)]
 }
 
 /// Statements that exist and are of no use to a mesh.
 const KNOWN: &[&[u8]] = &[
-    b"vt",
     b"vp",
     b"g",
     b"o",
