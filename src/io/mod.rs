@@ -3,11 +3,11 @@
 //! | format | read | write | by |
 //! |---|---|---|---|
 //! | OBJ | yes | no | own reader |
-//! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with float colours | own reader |
+//! | PLY, ASCII and binary of both byte orders | yes | binary little endian, with texture coordinates and float colours | own reader |
 //! | glTF 2.0, `.gltf` and `.glb` | yes | no | crate `serde_json`, own reader of what a mesh needs |
 //! | Radiance HDR (RGBE) | yes | yes | own reader and writer |
 //! | OpenEXR, flat, every compression but HTJ2K | yes | yes (lossless ZIP, 32-bit float) | own reader and writer |
-//! | PNG, 8 and 16 bits | yes | 8 bits, sRGB | crate `image` |
+//! | PNG, 8 and 16 bits | yes | 8 bits, sRGB; 8 and 16 bits, data | crate `image` |
 //!
 //! Nothing here panics on the content of a file. What cannot be read is an [`Error::File`](crate::Error::File) that
 //! names the file and the place in it; what could be repaired comes back with a [`Warning`] in [`Loaded`]. What a
@@ -30,11 +30,18 @@
 //! | normals that are missing, zero or not finite | computed from the faces, weighted by angle |
 //! | faces there twice, once each way round, without normals | two sides with vertices of their own |
 //! | winding that disagrees or points inwards, in closed surfaces | turned where it is clear: [`Winding`] |
+//! | texture coordinates that are NaN, infinite or, at some corners only, missing | (0, 0) |
 //! | a mesh whose z or x axis points up | turned, on demand: [`Up`] |
+//!
+//! Texture coordinates are read and become [`Mesh::uv`](crate::scene::Mesh::uv), with v upwards: OBJ and PLY have it
+//! so, glTF's v is turned round. Where the corners at a vertex have different ones, the vertex is split after
+//! everything above, so that a seam of the texture changes neither positions, faces nor normals. A file without texture
+//! coordinates makes a mesh without.
 //!
 //! # Pictures
 //! Pixels and colours are linear RGB radiance in `f32`, of the primaries and white of Rec. 709; files that name others
-//! are converted, with a warning. PNG alone is sRGB-encoded.
+//! are converted, with a warning. PNG alone is sRGB-encoded. Images that are no light, such as normal maps, are read as
+//! they are stored by [`read_image_with`] and [`ImageEncoding::Data`].
 //!
 //! # Example
 //! ```
@@ -61,8 +68,9 @@ pub use mesh::{
     read_obj_with, read_ply, read_ply_with, save_ply,
 };
 pub use picture::{
-    EnvironmentLayout, Image, encode_exr, encode_hdr, encode_png, encode_png_srgb8, load_environment,
-    load_environment_with, load_image, read_environment, read_environment_with, read_exr, read_hdr, read_image,
-    read_png, save_exr, save_hdr, save_png, save_png_srgb8,
+    EnvironmentLayout, Image, ImageEncoding, PngDepth, encode_exr, encode_hdr, encode_png, encode_png_data,
+    encode_png_srgb8, load_environment, load_environment_with, load_image, load_image_with, read_environment,
+    read_environment_with, read_exr, read_hdr, read_image, read_image_with, read_png, save_exr, save_hdr, save_png,
+    save_png_data, save_png_srgb8,
 };
 pub use report::{Loaded, Warning};

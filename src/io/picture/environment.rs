@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::Image;
 use super::exr::Envmap;
-use super::{Tagged, read_tagged};
+use super::{ImageEncoding, Tagged, read_tagged};
 use crate::io::report::{Loaded, Report, read_file};
 use crate::scene::EnvironmentLight;
 use crate::sphere::{CubeGrid, CubeMap, DiskMap, DiskProjection, Face, LatLongGrid, LatLongMap};
@@ -70,7 +70,7 @@ pub fn load_environment(path: impl AsRef<Path>) -> Result<Loaded<EnvironmentLigh
 /// Those of [`load_environment`], and [`Error::File`] if the picture's proportions are not those of the layout.
 pub fn load_environment_with(path: impl AsRef<Path>, layout: EnvironmentLayout) -> Result<Loaded<EnvironmentLight>> {
     let path = path.as_ref();
-    to_light(read_tagged(&read_file(path)?, path)?, path, layout)
+    to_light(read_tagged(&read_file(path)?, path, ImageEncoding::Radiance)?, path, layout)
 }
 
 /// Reads an environment light from the bytes of a picture, as [`load_environment`]; `name` is what messages call it.
@@ -91,7 +91,7 @@ pub fn read_environment_with(
     layout: EnvironmentLayout,
 ) -> Result<Loaded<EnvironmentLight>> {
     let name = name.as_ref();
-    to_light(read_tagged(bytes, name)?, name, layout)
+    to_light(read_tagged(bytes, name, ImageEncoding::Radiance)?, name, layout)
 }
 
 fn to_light(tagged: Tagged, name: &Path, layout: EnvironmentLayout) -> Result<Loaded<EnvironmentLight>> {

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 
 use super::Image;
 use super::primaries::{self, Primaries};
-use super::{check_finite, check_size, finish};
+use super::{ImageEncoding, check_finite, check_size, finish};
 use crate::Result;
 use crate::io::report::{Loaded, Report, excerpt};
 
@@ -24,8 +24,13 @@ use crate::io::report::{Loaded, Report, excerpt};
 /// # Errors
 /// [`Error::File`](crate::Error::File) with the line of the header or the scan line and byte offset.
 pub fn read_hdr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
+    read(bytes, name.as_ref(), ImageEncoding::Radiance)
+}
+
+/// [`read_hdr`] of numbers with a given meaning.
+pub(super) fn read(bytes: &[u8], name: &std::path::Path, encoding: ImageEncoding) -> Result<Loaded<Image>> {
     let mut report = Report::new(name);
-    let header = Header::read(bytes, &mut report)?;
+    let header = Header::read(bytes, &mut report, encoding)?;
     let Header { major, minor, end, scale, primaries } = header;
     let mut stream = Stream { bytes, at: end };
     if bytes.len() - end < 4 * major.length {
@@ -68,7 +73,7 @@ pub fn read_hdr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     if let Some((place, primaries)) = primaries {
         primaries.convert(&place, &mut report, &mut pixels);
     }
-    finish(report, width, height, pixels)
+    finish(report, width, height, pixels, encoding)
 }
 
 /// An axis of the resolution line. `backwards`: up for y, leftwards for x.
@@ -97,7 +102,7 @@ struct Header {
 }
 
 impl Header {
-    fn read(bytes: &[u8], report: &mut Report) -> Result<Self> {
+    fn read(bytes: &[u8], report: &mut Report, encoding: ImageEncoding) -> Result<Self> {
         if bytes.is_empty() {
             return Err(report.error("", "the file is empty"));
         }
@@ -106,7 +111,7 @@ impl Header {
         }
         let mut at = 0;
         let mut after_blank = false;
-        let mut lines = Lines { scale: Vector3::repeat(1.0), primaries: None, xyz: None };
+        let mut lines = Lines { encoding, scale: Vector3::repeat(1.0), primaries: None, xyz: None };
         for number in 1.. {
             let place = format!("line {number}");
             let length = bytes[at..].iter().position(|&b| b == b'\n');
@@ -138,6 +143,7 @@ impl Header {
 
 /// What the lines of a header have said so far.
 struct Lines {
+    encoding: ImageEncoding,
     scale: Vector3<f64>,
     primaries: Option<(String, Primaries)>,
     xyz: Option<(String, Primaries)>,
@@ -151,9 +157,13 @@ impl Lines {
         let unusable = |report: &mut Report, what: &str| {
             report.warn(place, format!("{what}, but \"{}\"; ignored", excerpt(value)));
         };
+        let is_data = self.encoding == ImageEncoding::Data;
         match key {
+            // What is no light has neither exposure nor primaries.
+            b"EXPOSURE" | b"COLORCORR" | b"PRIMARIES" if is_data => {}
             b"FORMAT" => match value {
                 b"32-bit_rle_rgbe" => self.xyz = None,
+                b"32-bit_rle_xyze" if is_data => {}
                 b"32-bit_rle_xyze" => self.xyz = Some((place.to_owned(), primaries::XYZ)),
                 _ => {
                     let formats = "only 32-bit_rle_rgbe and 32-bit_rle_xyze can be read";

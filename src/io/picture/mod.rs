@@ -1,4 +1,4 @@
-//! Pictures of linear RGB pixels.
+//! Pictures of linear RGB pixels, and images of other numbers.
 
 mod environment;
 mod exr;
@@ -15,7 +15,7 @@ pub use self::environment::{
 };
 pub use self::exr::{encode_exr, read_exr};
 pub use self::hdr::{encode_hdr, read_hdr};
-pub use self::png::{encode_png, encode_png_srgb8, read_png};
+pub use self::png::{PngDepth, encode_png, encode_png_data, encode_png_srgb8, read_png};
 use super::atomic;
 use crate::approx_eq::approx_by_parts;
 use crate::io::count::plural;
@@ -23,6 +23,9 @@ use crate::io::report::{Loaded, Report, read_file};
 use crate::{Error, Result};
 
 /// A picture: linear RGB pixels, row after row from the top left.
+///
+/// Its pixels may also be data, such as the normals of a normal map: [`ImageEncoding::Data`]. Which pixel belongs to
+/// the texture coordinates of a mesh: [`Mesh::uv`](crate::scene::Mesh::uv).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Image {
     width: usize,
@@ -85,6 +88,22 @@ impl Image {
     }
 }
 
+/// What the numbers of an image file stand for.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum ImageEncoding {
+    /// Light or colour. The file's encoding is undone (the curve of sRGB or a gamma in PNG, `EXPOSURE` and `COLORCORR`
+    /// in HDR), primaries are converted to those of Rec. 709, and negative numbers are set to 0.
+    #[default]
+    Radiance,
+    /// Numbers that mean something else: normals, heights, roughness. They stay as the file has them: samples of PNG
+    /// over their largest (255 or 65535), numbers of EXR and HDR as they are stored, negative ones too; no curve,
+    /// primaries or exposure is looked at. In a normal map, a component n is often stored as (n + 1) / 2: that is the
+    /// caller's to undo.
+    Data,
+}
+
 /// Reads a picture: Radiance HDR, OpenEXR or PNG; the first bytes decide which.
 ///
 /// See [`read_image`].
@@ -92,8 +111,16 @@ impl Image {
 /// # Errors
 /// [`Error::File`] with the place for anything that cannot be read or repaired.
 pub fn load_image(path: impl AsRef<Path>) -> Result<Loaded<Image>> {
+    load_image_with(path, ImageEncoding::Radiance)
+}
+
+/// Reads an image whose numbers have a given meaning; see [`read_image_with`].
+///
+/// # Errors
+/// [`Error::File`] with the place for anything that cannot be read or repaired.
+pub fn load_image_with(path: impl AsRef<Path>, encoding: ImageEncoding) -> Result<Loaded<Image>> {
     let path = path.as_ref();
-    read_image(&read_file(path)?, path)
+    read_image_with(&read_file(path)?, path, encoding)
 }
 
 /// A picture with what its file says about its use.
@@ -116,16 +143,38 @@ impl From<Loaded<Image>> for Tagged {
 /// [`Error::File`] with the place for anything that cannot be read: a format that is none of the three, a pixel that
 /// is NaN or infinite, more than [`Image::MAX_PIXELS`] pixels, a file cut short.
 pub fn read_image(bytes: &[u8], name: impl AsRef<Path>) -> Result<Loaded<Image>> {
-    read_tagged(bytes, name.as_ref()).map(|tagged| tagged.image)
+    read_image_with(bytes, name, ImageEncoding::Radiance)
 }
 
-/// As [`read_image`], with what the file says about its use.
-pub(super) fn read_tagged(bytes: &[u8], name: &Path) -> Result<Tagged> {
+/// Reads an image whose numbers have a given meaning from its bytes; `name` is what messages call it.
+///
+/// [`read_image`] is this with [`ImageEncoding::Radiance`]. With [`ImageEncoding::Data`] the numbers are those of the
+/// file; alpha is dropped all the same, and what is said of windows and layers in [`read_exr`] holds.
+///
+/// # Errors
+/// Those of [`read_image`]: NaN and infinity are refused in data too.
+///
+/// # Example
+/// ```
+/// use haarmonic::io::{Image, ImageEncoding, PngDepth, encode_png_data, read_image_with};
+/// use haarmonic::nalgebra::Vector3;
+/// let flat = Image::new(1, 1, vec![Vector3::new(0.5, 0.5, 1.0)])?;
+/// let bytes = encode_png_data(&flat, PngDepth::Sixteen)?;
+/// let read = read_image_with(&bytes, "normals.png", ImageEncoding::Data)?.value.pixel(0, 0);
+/// assert!((read - flat.pixel(0, 0)).amax() <= 0.5 / 65535.0);
+/// # Ok::<(), haarmonic::Error>(())
+/// ```
+pub fn read_image_with(bytes: &[u8], name: impl AsRef<Path>, encoding: ImageEncoding) -> Result<Loaded<Image>> {
+    read_tagged(bytes, name.as_ref(), encoding).map(|tagged| tagged.image)
+}
+
+/// As [`read_image_with`], with what the file says about its use.
+pub(super) fn read_tagged(bytes: &[u8], name: &Path, encoding: ImageEncoding) -> Result<Tagged> {
     match bytes {
         [] => Err(Report::new(name).error("", "the file is empty")),
-        [0x76, 0x2f, 0x31, 0x01, ..] => exr::read_tagged(bytes, name),
-        [0x89, b'P', b'N', b'G', ..] => read_png(bytes, name).map(Tagged::from),
-        [b'#', b'?', ..] => read_hdr(bytes, name).map(Tagged::from),
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::read_tagged(bytes, name, encoding),
+        [0x89, b'P', b'N', b'G', ..] => png::read(bytes, name, encoding).map(Tagged::from),
+        [b'#', b'?', ..] => hdr::read(bytes, name, encoding).map(Tagged::from),
         _ => Err(Report::new(name).error("byte 0", "not a picture format that can be read: HDR, EXR, PNG")),
     }
 }
@@ -154,6 +203,7 @@ pub(super) fn finish(
     width: usize,
     height: usize,
     mut pixels: Vec<Vector3<f32>>,
+    encoding: ImageEncoding,
 ) -> Result<Loaded<Image>> {
     let (mut negative, mut first, mut lowest) = (0, 0, 0.0_f32);
     for (i, pixel) in pixels.iter_mut().enumerate() {
@@ -162,6 +212,9 @@ pub(super) fn finish(
         }
         if !pixel.iter().all(|c| c.is_finite()) {
             return Err(report.error(format!("pixel ({}, {})", i % width, i / width), "NaN or infinite"));
+        }
+        if encoding == ImageEncoding::Data {
+            continue;
         }
         if negative == 0 {
             first = i;
@@ -188,6 +241,15 @@ pub(super) fn finish(
 pub fn save_png(path: impl AsRef<Path>, image: &Image, exposure: f32) -> Result<()> {
     let path = path.as_ref();
     atomic::write(path, &encode_png(image, exposure).map_err(|e| named(path, e))?)
+}
+
+/// Writes an image of data as PNG, without any encoding; see [`encode_png_data`].
+///
+/// # Errors
+/// [`Error::NotFinite`] for a pixel that is NaN or infinite, [`Error::File`] if the file cannot be written.
+pub fn save_png_data(path: impl AsRef<Path>, image: &Image, depth: PngDepth) -> Result<()> {
+    let path = path.as_ref();
+    atomic::write(path, &encode_png_data(image, depth).map_err(|e| named(path, e))?)
 }
 
 /// Writes sRGB-encoded bytes as PNG, row after row from the top left.

@@ -1,6 +1,7 @@
 //! PNG, by the crate `image`.
 
 use std::io::Cursor;
+use std::path::Path;
 
 use ::image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use ::image::{ColorType, ExtendedColorType, ImageDecoder, ImageEncoder};
@@ -9,7 +10,7 @@ use nalgebra::Vector3;
 
 use super::Image;
 use super::primaries::Primaries;
-use super::{check_size, finish};
+use super::{ImageEncoding, check_finite, check_size, finish};
 use crate::io::report::{Loaded, Report, excerpt};
 use crate::scene::{linear_to_srgb, srgb_to_linear};
 use crate::{Error, Result};
@@ -25,6 +26,11 @@ use crate::{Error, Result};
 /// # Errors
 /// [`Error::File`] if the file is damaged, cut short or has more than [`Image::MAX_PIXELS`] pixels.
 pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
+    read(bytes, name.as_ref(), ImageEncoding::Radiance)
+}
+
+/// [`read_png`] of numbers with a given meaning.
+pub(super) fn read(bytes: &[u8], name: &Path, meaning: ImageEncoding) -> Result<Loaded<Image>> {
     let mut report = Report::new(name);
     if bytes.is_empty() {
         return Err(report.error("", "the file is empty"));
@@ -59,7 +65,10 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     // 16-bit samples come in the machine's byte order.
     let sample = |s: &[u8]| if wide { u16::from_ne_bytes([s[0], s[1]]) } else { u16::from(s[0]) };
     let full = if wide { u16::MAX } else { 255 };
-    let encoding = Encoding::read(bytes, &mut report);
+    let encoding = match meaning {
+        ImageEncoding::Radiance => Encoding::read(bytes, &mut report),
+        ImageEncoding::Data => Encoding::NONE,
+    };
     let linear: Vec<f32> = (0..=full).map(|s| encoding.decode(f32::from(s) / f32::from(full))).collect();
     let mut transparent = 0_usize;
     let mut pixels: Vec<_> = (raw.chunks_exact(channels * size))
@@ -79,7 +88,7 @@ pub fn read_png(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loade
     if let Some(primaries) = encoding.primaries.filter(|_| colour) {
         primaries.convert("chunk cHRM", &mut report, &mut pixels);
     }
-    finish(report, width, height, pixels)
+    finish(report, width, height, pixels, meaning)
 }
 
 /// What the samples of a file mean.
@@ -91,6 +100,9 @@ struct Encoding {
 }
 
 impl Encoding {
+    /// Samples that are what they are.
+    const NONE: Self = Self { power: Some(1.0), primaries: None };
+
     /// Looks through the chunks before the pixels, which the decoder has checked by then.
     fn read(bytes: &[u8], report: &mut Report) -> Self {
         let mut found = Self::default();
@@ -204,12 +216,51 @@ pub fn encode_png_srgb8(width: usize, height: usize, pixels: &[[u8; 3]]) -> Resu
     if pixels.len() != expected {
         return Err(Error::Length { what: "pixels of a picture", expected, got: pixels.len() });
     }
+    encode(width, height, pixels.as_flattened(), ExtendedColorType::Rgb8)
+}
+
+/// Bits of a number in a PNG file.
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum PngDepth {
+    /// 8 bits: steps of 1/255.
+    Eight,
+    /// 16 bits: steps of 1/65535.
+    Sixteen,
+}
+
+/// The bytes of an image of data as PNG: numbers in [0, 1] without any encoding.
+///
+/// Numbers are clamped to [0, 1] and rounded to the nearest step of the depth. [`read_image_with`] and
+/// [`ImageEncoding::Data`] bring them back within half a step (and a rounding of `f32`); [`read_png`] takes the file
+/// for sRGB, since nothing in a PNG file says that its numbers are no colours.
+///
+/// [`read_image_with`]: super::read_image_with
+///
+/// # Errors
+/// [`Error::NotFinite`] for a pixel that is NaN or infinite, [`Error::File`] if the picture has more than 2³² − 1
+/// pixels along a side.
+pub fn encode_png_data(image: &Image, depth: PngDepth) -> Result<Vec<u8>> {
+    check_finite(image)?;
+    let numbers = image.pixels().iter().flat_map(|p| [p.x, p.y, p.z]).map(|c| f64::from(c.clamp(0.0, 1.0)));
+    let (bytes, colour): (Vec<u8>, _) = match depth {
+        PngDepth::Eight => (numbers.map(|c| (255.0 * c).round() as u8).collect(), ExtendedColorType::Rgb8),
+        // The encoder takes the machine's byte order.
+        PngDepth::Sixteen => {
+            let bytes = numbers.flat_map(|c| ((65535.0 * c).round() as u16).to_ne_bytes()).collect();
+            (bytes, ExtendedColorType::Rgb16)
+        }
+    };
+    encode(image.width(), image.height(), &bytes, colour)
+}
+
+fn encode(width: usize, height: usize, samples: &[u8], colour: ExtendedColorType) -> Result<Vec<u8>> {
     let failed = |reason: String| Report::new("PNG").error("", reason);
     let side = |n: usize| u32::try_from(n).map_err(|_| failed(format!("a side of {n} pixels is too long")));
     let (w, h) = (side(width)?, side(height)?);
     let mut out = Vec::new();
     PngEncoder::new_with_quality(&mut out, CompressionType::Best, FilterType::Adaptive)
-        .write_image(pixels.as_flattened(), w, h, ExtendedColorType::Rgb8)
+        .write_image(samples, w, h, colour)
         .map_err(|e| failed(e.to_string()))?;
     Ok(out)
 }

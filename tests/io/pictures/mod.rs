@@ -2,6 +2,7 @@
 
 mod colours;
 mod damage;
+mod data;
 mod environments;
 pub mod exr_files;
 mod exr_peer;

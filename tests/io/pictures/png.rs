@@ -5,7 +5,7 @@ use haarmonic::io::{encode_png_srgb8, read_png};
 use super::{assert_all, messages, only_message};
 
 /// A grey picture with chunks before its pixels.
-fn file(level: u8, chunks: &[(&str, Vec<u8>)]) -> Vec<u8> {
+pub fn file(level: u8, chunks: &[(&str, Vec<u8>)]) -> Vec<u8> {
     let mut bytes = encode_png_srgb8(2, 2, &[[level; 3]; 4]).unwrap();
     // Behind the signature and the header chunk of 13 bytes.
     let at = 8 + 12 + 13;

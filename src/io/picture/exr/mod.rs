@@ -26,7 +26,7 @@ use self::input::Input;
 pub use self::write::encode_exr;
 use super::Image;
 use super::primaries::Primaries;
-use super::{Tagged, check_size, finish};
+use super::{ImageEncoding, Tagged, check_size, finish};
 use crate::Result;
 use crate::io::report::{Loaded, Report};
 
@@ -47,11 +47,11 @@ use crate::io::report::{Loaded, Report};
 /// or luminance-chroma colour, channels that are not there, NaN or infinite pixels, more than [`Image::MAX_PIXELS`]
 /// pixels, a display window of more than 1024 times the data window, damage of any kind.
 pub fn read_exr(bytes: &[u8], name: impl AsRef<std::path::Path>) -> Result<Loaded<Image>> {
-    read_tagged(bytes, name.as_ref()).map(|tagged| tagged.image)
+    read_tagged(bytes, name.as_ref(), ImageEncoding::Radiance).map(|tagged| tagged.image)
 }
 
 /// As [`read_exr`], with what the file says about its use.
-pub(super) fn read_tagged(bytes: &[u8], name: &std::path::Path) -> Result<Tagged> {
+pub(super) fn read_tagged(bytes: &[u8], name: &std::path::Path, encoding: ImageEncoding) -> Result<Tagged> {
     let mut report = Report::new(name);
     if bytes.is_empty() {
         return Err(report.error("", "the file is empty"));
@@ -60,11 +60,12 @@ pub(super) fn read_tagged(bytes: &[u8], name: &std::path::Path) -> Result<Tagged
     let layout = Layout::new(&header, bytes.len(), &mut report)?;
     let mut pixels = decode(bytes, &header, &layout).map_err(|(place, reason)| report.error(place, reason))?;
     // What is grey has the colour of white whatever the primaries are.
-    if let Some(chromaticities) = header.chromaticities.filter(|_| !layout.is_grey()) {
+    let is_colour = encoding == ImageEncoding::Radiance && !layout.is_grey();
+    if let Some(chromaticities) = header.chromaticities.filter(|_| is_colour) {
         let primaries = Primaries::new(chromaticities.map(f64::from));
         primaries.convert("header, chromaticities", &mut report, &mut pixels);
     }
-    let image = finish(report, layout.width, layout.height, pixels)?;
+    let image = finish(report, layout.width, layout.height, pixels, encoding)?;
     Ok(Tagged { image, envmap: header.envmap })
 }
 
