@@ -29,7 +29,7 @@ pub use light::{
 pub use material::Materials;
 pub use mesh::{Bounds, LocalFrame, Mesh, MeshRepair};
 pub use metrics::{Comparison, max_abs, percentile_peak, psnr_db, rel_l2};
-pub use picture::{Picture, PixelHit, PixelSample};
+pub use picture::{Picture, PixelHit, PixelSample, UvFootprint};
 pub use procedural::{Model, Procedural, Stage, StageObject, Staged};
 pub use tone_map::{ToneMap, linear_to_srgb, srgb_to_linear};
 pub use truth::{Convergence, Fog, GroundTruth, Interreflection, LocalTruth, Outgoing, Phase, TexelVisibility};

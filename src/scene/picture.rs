@@ -1,6 +1,6 @@
 //! Ray-cast pictures of per-vertex colours.
 
-use nalgebra::{SVector, UnitVector3, Vector3};
+use nalgebra::{SVector, UnitVector3, Vector2, Vector3};
 
 use super::{Bvh, Camera, Mesh};
 use crate::error::check_length;
@@ -70,6 +70,17 @@ impl PixelHit {
         let corners = mesh.faces()[self.face as usize].map(|v| values[v as usize]);
         corners[0] * self.barycentric[0] + corners[1] * self.barycentric[1] + corners[2] * self.barycentric[2]
     }
+}
+
+/// What a pixel covers of a texture: a parallelogram around a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UvFootprint {
+    /// Texture coordinates of the hit.
+    pub uv: Vector2<f64>,
+    /// Their change to the next pixel at the right.
+    pub right: Vector2<f64>,
+    /// Their change to the next pixel below.
+    pub down: Vector2<f64>,
 }
 
 /// One ray of a pixel, and what it shows.
@@ -233,6 +244,24 @@ impl Picture {
             Some([0, 1, 2].map(|k| after[k] - before[k]))
         };
         Some([change(0.5, 0.0)?, change(0.0, 0.5)?])
+    }
+
+    /// Texture coordinates of a hit and how they change from pixel to pixel, to the right and down: the footprint that a
+    /// texture is filtered over.
+    ///
+    /// `None` for the sky, for a mesh without texture coordinates, and where
+    /// [`differentials`](Self::differentials) are none.
+    ///
+    /// # Panics
+    /// As [`sample`](Self::sample).
+    #[track_caller]
+    pub fn footprint(&self, mesh: &Mesh, pixel: [usize; 2], sample: usize) -> Option<UvFootprint> {
+        let (hit, uv) = (self.sample(pixel, sample).hit?, mesh.uv()?);
+        let corners = mesh.faces()[hit.face as usize].map(|v| uv[v as usize].cast::<f64>());
+        let combine = |weights: [f64; 3]| (0..3).map(|k| corners[k] * weights[k]).sum();
+        let [right, down] = self.differentials(mesh, pixel, sample)?;
+        let uv = combine(hit.barycentric.map(f64::from));
+        Some(UvFootprint { uv, right: combine(right), down: combine(down) })
     }
 
     /// The share of every pixel that shows the mesh: the alpha channel of a picture without a sky.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use approx::assert_relative_eq;
 use haarmonic::Error;
-use haarmonic::nalgebra::{Affine3, Matrix4, Vector3};
+use haarmonic::nalgebra::{Affine3, Matrix4, Vector2, Vector3};
 use haarmonic::reference::scene as naive;
 use haarmonic::scene::{BackFaces, Bvh, Camera, Mesh, MeshRepair, Picture, PixelSample, Procedural};
 
@@ -376,6 +376,16 @@ fn hits_of_a_picture_are_places_of_the_mesh() {
     let pixel = 2.0 * 2.0 * 0.4_f64.tan() / 5.0;
     assert!((moved(right) - Vector3::x() * pixel).norm() < 1e-12, "{}", moved(right));
     assert!((moved(down) + Vector3::y() * pixel).norm() < 1e-12, "{}", moved(down));
+
+    // Texture coordinates that are a multiple of the place have the footprint of a pixel.
+    assert_eq!(picture.footprint(&wall, [5, 1], 0), None);
+    let uv = wall.positions().iter().map(|p| p.xy() * 0.5).collect();
+    let textured = wall.clone().with_uv(uv).unwrap();
+    let footprint = picture.footprint(&textured, [5, 1], 0).unwrap();
+    assert!((footprint.right - Vector2::new(0.5 * pixel, 0.0)).norm() < 1e-9, "{footprint:?}");
+    assert!((footprint.down + Vector2::new(0.0, 0.5 * pixel)).norm() < 1e-9, "{footprint:?}");
+    let place = picture.sample([5, 1], 0).hit.unwrap().interpolate(&wall, wall.positions());
+    assert!((footprint.uv - place.xy().cast() * 0.5).norm() < 1e-6);
 
     // A colour a sample: its mean over a pixel.
     let depth = picture.shade_samples(|sample| Vector3::repeat(sample.hit.map_or(-1.0, |hit| hit.depth)));

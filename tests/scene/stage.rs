@@ -47,6 +47,7 @@ fn stages_are_what_they_say() {
             }
             assert!(object.name == "ground" || is_closed(&object.mesh), "{stage:?}: {}", object.name);
         }
+        assert!(staged.objects.iter().all(|object| object.mesh.uv().is_some()));
         let vertices: usize = shapes.iter().map(|mesh| mesh.positions().len()).sum();
         assert!((4_250..=5_750).contains(&vertices), "{stage:?}: {vertices}");
         // As one mesh, and as what stops rays: the same hits.
