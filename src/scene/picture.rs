@@ -218,8 +218,9 @@ impl Picture {
 
     /// How the barycentric coordinates of a hit change from pixel to pixel: to the right, and down.
     ///
-    /// The footprint of a pixel in whatever is given at the corners, such as texture coordinates: ∂uv/∂x = Σ_k d[0][k]
-    /// uv_k. Central differences over one pixel, in the plane of the face, whether or not the neighbours show it.
+    /// What is given at the corners, such as texture coordinates, changes by Σ_k `d[0][k]` uv_k to the right
+    /// ([`footprint`](Self::footprint)). Central differences over one pixel, in the plane of the face, whether or not
+    /// the neighbours show it.
     ///
     /// `None` for the sky, and where the plane of the face is not seen half a pixel away.
     ///

@@ -25,7 +25,7 @@ pub fn resample_2d(image: &[f64], width: usize, height: usize, maps: [AffineMap;
     resample_between_2d(image, width, [width, height], maps)
 }
 
-/// The means of F(s_x x + o_x, s_y y + o_y) over the `size`[0] × `size`[1] pixels of another image, row-major; F has
+/// The means of F(s_x x + o_x, s_y y + o_y) over the `size[0]` × `size[1]` pixels of another image, row-major; F has
 /// rows of `width` pixels.
 pub fn resample_between_2d(image: &[f64], width: usize, size: [usize; 2], [map_x, map_y]: [AffineMap; 2]) -> Vec<f64> {
     let [across, down] = size;

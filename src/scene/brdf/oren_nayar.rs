@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::{Brdf, check_albedo, off_surface, split_colour};
 use crate::{Error, Result};
 
-/// Oren and Nayar's qualitative model of diffuse facets, whose slopes spread by an angle σ [1994].
+/// Oren and Nayar's qualitative model of diffuse facets, whose slopes spread by an angle σ (1994).
 ///
 /// ```math
 /// f = albedo/π · (A + B max(0, cos(φ_i − φ_o)) sin α tan β),  α, β the larger and the smaller of θ_i, θ_o
