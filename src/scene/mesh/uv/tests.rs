@@ -208,7 +208,6 @@ mod properties {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::strategies::textured_soup;
 
     fn few() -> ProptestConfig {
         let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(32);
@@ -217,41 +216,6 @@ mod properties {
 
     proptest! {
         #![proptest_config(few())]
-
-        #[test]
-        fn frames_stay_frames(mesh in textured_soup(20)) {
-            let mesh = mesh.with_tangents_from_uv().unwrap();
-            let hands = mesh.uv_handedness().unwrap();
-            for (vertex, hand) in hands.into_iter().enumerate() {
-                let frame = mesh.local_frame(vertex);
-                prop_assert!((frame.tangent.norm() - 1.0).abs() < 1e-6);
-                prop_assert!(frame.tangent.dot(&frame.normal).abs() < 1e-6);
-                prop_assert!(hand.abs() == 1.0);
-            }
-        }
-
-        #[test]
-        fn corners_come_back(mesh in textured_soup(20), pairs in prop::collection::vec(0..4_u8, 60)) {
-            let pair = |k: usize| Vector2::new(f32::from(pairs[k % 60] % 2), f32::from(pairs[k % 60] / 2));
-            let corners: Vec<_> = (0..mesh.faces().len()).map(|f| [0, 1, 2].map(|k| pair(3 * f + k))).collect();
-            let split = mesh.clone().with_corner_uv(&corners).unwrap();
-            let uv = split.uv().unwrap();
-            for ((new, old), corners) in split.faces().iter().zip(mesh.faces()).zip(&corners) {
-                prop_assert_eq!(new.map(|i| uv[i as usize]), *corners);
-                let places = |mesh: &Mesh, face: &[u32; 3]| face.map(|i| mesh.positions()[i as usize]);
-                prop_assert_eq!(places(&split, new), places(&mesh, old));
-            }
-            // No more vertices than pairs of vertex and coordinates.
-            let mut used: Vec<_> = split.faces().iter().flatten().copied().collect();
-            used.sort_unstable();
-            used.dedup();
-            let mut keys: Vec<_> = (mesh.faces().iter().flatten().zip(corners.iter().flatten()))
-                .map(|(i, c)| (*i, c.x as u8, c.y as u8))
-                .collect();
-            keys.sort_unstable();
-            keys.dedup();
-            prop_assert_eq!(used.len(), keys.len());
-        }
 
         #[test]
         fn a_moved_plane_moves_its_tangents(
