@@ -3,9 +3,9 @@
 /// Implements `AbsDiffEq`, `RelativeEq` and `UlpsEq` for a type: what is `same` must be equal, what is `close` is
 /// compared number by number.
 ///
-/// `close` lists slices, arrays or vectors of scalars or of `Vector3`s, of which those of different length are never
-/// equal; `same` lists what `==` compares. The type's defaults are those of the number behind it. `[T]` stands for a
-/// scalar of the crate, other generics are written out.
+/// `close` lists slices, arrays or vectors of scalars or of `Vector2`s or `Vector3`s, of which those of different
+/// length are never equal; `same` lists what `==` compares. The type's defaults are those of the number behind it.
+/// `[T]` stands for a scalar of the crate, other generics are written out.
 macro_rules! approx_by_parts {
     ([T] $type:ty, $($parts:tt)+) => {
         $crate::approx_eq::approx_by_parts!(
