@@ -20,7 +20,7 @@
 //! | [`compress`] | run coding of maps, biclustering of sparse matrices, principal components, quantisation | |
 //! | [`sphere`] | cube maps, lat-long maps, resampling, the equal-area hemisphere disk, quadrature on the sphere | |
 //! | [`store`] | files of all that is worth keeping: components, biclusters, coded maps, transports | |
-//! | [`numeric`] | Gauss–Legendre rules, Legendre polynomials, careful sums | |
+//! | [`numeric`] | exponential integral, tables of two variables, Gauss–Legendre rules, Legendre polynomials, careful sums | |
 #![cfg_attr(
     feature = "scene",
     doc = "| [`scene`] | meshes, procedural scenes, BRDFs, lights, visibility, ground truth, metrics | `scene` |"
@@ -68,7 +68,7 @@
 //! | moving geometry on a GPU that traces rays | ray tracing with resampling (ReSTIR) |
 //! | area lights without shadows | linearly transformed cosines, which Bevy, for one, has built in |
 //! | soft diffuse light from probes | harmonics of two bands in a shader; this crate can make their coefficients |
-//! | global illumination, or a reference for it | Mitsuba 3 or pbrt: here is direct light, a radiance per vertex |
+//! | global illumination, or a reference for it | Mitsuba 3 or pbrt: here is light at vertices, reflected n times at most |
 //! | wavelets other than Haar's, any size | PyWavelets; to its layout and back: [`haar::to_pywavelets_2d`] |
 //! | harmonics in PyTorch or JAX, on a GPU | sphericart: values and derivatives |
 //! | harmonics of degrees in the thousands on whole grids | SHTOOLS, SHTns, ducc0: our plans end at 128 bands |
@@ -76,7 +76,7 @@
 //! | Fourier and cosine transforms of any length | rustfft, rustdct: [`dct`] does square blocks of 4² to 64² |
 //! | decompositions of large dense matrices | faer; [`compress::Pca`] is for few components of many rows |
 //! | image processing | OpenCV, which also has the larger summed-area tables of `f32` in less time |
-//! | rays of any origin, moving meshes | Embree, or in Rust `obvhs`: our baker traces one place at a time |
+//! | single rays by the million, meshes that deform | Embree, or in Rust `obvhs`: our tracer takes all rays of a place at once |
 //! | whole glTF scenes with textures and animation | the crate `gltf`: `io` reads what a mesh needs |
 //!
 //! docs/performance.md has many of them in the same run. No other public library was found with affine wavelets,
@@ -238,6 +238,8 @@ mod pages {
     struct Dct;
     #[doc = include_str!("../docs/haar.md")]
     struct Haar;
+    #[doc = include_str!("../docs/numeric.md")]
+    struct Numeric;
     #[cfg(feature = "io")]
     #[doc = include_str!("../docs/scene.md")]
     struct Scene;

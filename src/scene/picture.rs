@@ -247,8 +247,8 @@ impl Picture {
         Some([change(0.5, 0.0)?, change(0.0, 0.5)?])
     }
 
-    /// Texture coordinates of a hit and how they change from pixel to pixel, to the right and down: the footprint that a
-    /// texture is filtered over.
+    /// Texture coordinates of a hit and how they change from pixel to pixel, to the right and down: the footprint that
+    /// a texture is filtered over.
     ///
     /// `None` for the sky, for a mesh without texture coordinates, and where
     /// [`differentials`](Self::differentials) are none.

@@ -20,6 +20,7 @@ use super::atomic;
 use crate::approx_eq::approx_by_parts;
 use crate::io::count::plural;
 use crate::io::report::{Loaded, Report, read_file};
+use crate::numeric::Table2d;
 use crate::{Error, Result};
 
 /// A picture: linear RGB pixels, row after row from the top left.
@@ -102,6 +103,27 @@ pub enum ImageEncoding {
     /// primaries or exposure is looked at. In a normal map, a component n is often stored as (n + 1) / 2: that is the
     /// caller's to undo.
     Data,
+}
+
+impl From<&Table2d> for Image {
+    /// A table as a float texture: the value of node (i, j) in all three channels of pixel (i, j), rounded to `f32`.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::io::Image;
+    /// use haarmonic::numeric::{Spacing, Table2d, TableAxis};
+    /// let axis = |nodes| TableAxis::new(0.0, 1.0, nodes, Spacing::Linear);
+    /// let table = Table2d::from_fn(axis(3)?, axis(2)?, |x, y| x - 2.0 * y)?;
+    /// let texture = Image::from(&table);
+    /// assert_eq!((texture.width(), texture.height(), texture.pixel(1, 1).x), (3, 2, -1.5));
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    fn from(table: &Table2d) -> Self {
+        let [x, y] = table.axes();
+        let pixels = table.values().iter().map(|&value| Vector3::repeat(value as f32)).collect();
+        // An axis has two nodes or more, and a table one value a pair of them.
+        Self::new(x.nodes(), y.nodes(), pixels).expect("a table has as many values as nodes")
+    }
 }
 
 /// Reads a picture: Radiance HDR, OpenEXR or PNG; the first bytes decide which.
