@@ -11,8 +11,8 @@ use crate::{Error, Result};
 /// The geometry that rays are traced against: one mesh, or objects that stand anywhere in a world.
 ///
 /// Single rays try the objects one after the other, those whose ball they miss excepted: hundreds of objects, not
-/// thousands. An object is a hierarchy and a rigid pose, so that it moves without being built again and one mesh can stand in many
-/// places. A mesh's [`origin`](Mesh::origin) is not looked at: poses move positions as they are.
+/// thousands. An object is a hierarchy and a rigid pose, so that it moves without being built again and one mesh can
+/// stand in many places. A mesh's [`origin`](Mesh::origin) is not looked at: poses move positions as they are.
 ///
 /// # Example
 /// ```
