@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use faer::Mat;
-use haarmonic::nalgebra::{Vector2, Vector3};
+use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{Brdf, FactoredBrdf, Phong};
 use haarmonic::sphere::ConcentricSquare;
 
@@ -13,10 +13,8 @@ const CELLS: usize = 16;
 
 fn factored(c: &mut Criterion) {
     let brdf = Phong::new([0.8, 0.6, 0.4], 10.0).unwrap();
-    let centre = |i: usize| (2 * i + 1) as f64 / CELLS as f64 - 1.0;
-    let directions: Vec<Vector3<f64>> = (0..CELLS * CELLS)
-        .map(|i| ConcentricSquare::direction(&Vector2::new(centre(i % CELLS), centre(i / CELLS))).into_inner())
-        .collect();
+    let directions: Vec<Vector3<f64>> =
+        (0..CELLS * CELLS).map(|i| ConcentricSquare::cell_direction(CELLS, i).into_inner()).collect();
     let matrix = Mat::from_fn(CELLS * CELLS, 3 * CELLS * CELLS, |o, i| {
         let (wi, wo) = (directions[i / 3], directions[o]);
         brdf.eval(&wi, &wo)[i % 3] * (wi.z * wo.z).sqrt()

@@ -710,6 +710,10 @@ proptest! {
 fn cells_of_the_concentric_square_have_equal_solid_angles() {
     let cells = 6;
     let line = |t: f64| 2.0 * t / cells as f64 - 1.0;
+    for (i, (x, y)) in (0..cells * cells).map(|i| (i, (i % cells, i / cells))) {
+        let centre = Vector2::new(line(x as f64 + 0.5), line(y as f64 + 0.5));
+        assert!((ConcentricSquare::point(&ConcentricSquare::cell_direction(cells, i)) - centre).norm() < 1e-14);
+    }
     for (x, y) in (0..cells * cells).map(|i| ((i % cells) as f64, (i / cells) as f64)) {
         const STEPS: usize = 400;
         let edge = |k: usize| {

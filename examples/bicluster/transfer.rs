@@ -2,7 +2,7 @@
 //! local direction.
 
 use haarmonic::compress::SparseMatrix;
-use haarmonic::nalgebra::{UnitVector3, Vector2, Vector3};
+use haarmonic::nalgebra::{UnitVector3, Vector3};
 use haarmonic::scene::{Mesh, VisibilityBaker, VisibilitySettings};
 use haarmonic::sphere::{ConcentricSquare, CubeGrid};
 use haarmonic::{Progress, Result};
@@ -16,9 +16,7 @@ pub const SAMPLES: usize = 2;
 
 /// The local directions: centres of a grid on the concentric square (equal areas of the hemisphere).
 pub fn local_directions() -> Vec<UnitVector3<f64>> {
-    let centre = |i: usize| (2 * i + 1) as f64 / LOCAL as f64 - 1.0;
-    let point = |i: usize| Vector2::new(centre(i % LOCAL), centre(i / LOCAL));
-    (0..LOCAL * LOCAL).map(|i| ConcentricSquare::direction(&point(i))).collect()
+    (0..LOCAL * LOCAL).map(|i| ConcentricSquare::cell_direction(LOCAL, i)).collect()
 }
 
 /// T: a row for each vertex and local direction, a column for each texel of the global light; entry = visibility of the

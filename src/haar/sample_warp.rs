@@ -6,6 +6,7 @@
 
 use super::Decomposition;
 use super::pyramid::Pyramid;
+use super::wavelet_tree::BinaryTree;
 use crate::{Error, Real, Result};
 
 /// The largest number below 1: where rounding would make a uniform number 1.
@@ -45,7 +46,7 @@ impl SampleWarp1d {
         let mut means = vec![0.0; 2 * coefs.len()];
         means[1] = coefs[0].widen();
         for node in 1..coefs.len() {
-            let detail = coefs[node].widen() * f64::from(node.ilog2()).exp2().sqrt();
+            let detail = coefs[node].widen() * scale(node);
             let [first, second] = [means[node] + detail, means[node] - detail];
             shares[node] = share(first, second);
             (means[2 * node], means[2 * node + 1]) = (first, second);
@@ -224,9 +225,9 @@ impl SampleWarp2d {
     }
 }
 
-/// The height of wavelet `node`, 2^{l/2}.
+/// The height of wavelet `node`.
 fn scale(node: usize) -> f64 {
-    (0.5 * f64::from(node.ilog2())).exp2()
+    BinaryTree::<f64>::amplitude(node.ilog2())
 }
 
 fn check<T: Real>(coefs: &[T], expected: usize, what: &'static str) -> Result<()> {

@@ -11,7 +11,7 @@
 //! details and of its means over their supports has every integral of the signal times two basis functions in one
 //! entry; with two axes, the table of all four combinations does.
 
-use super::{Decomposition, SparseVector, Transform2d};
+use super::{BinaryTree, Decomposition, SparseVector, Transform2d};
 use crate::error::check_length;
 use crate::{Error, Real, Result};
 
@@ -205,7 +205,7 @@ fn multiply(i: usize, j: usize, size: usize) -> Option<(usize, f64)> {
         return None;
     }
     let sign = if fine >> (down - 1) & 1 == 0 { 1.0 } else { -1.0 };
-    Some((fine, sign * (0.5 * f64::from(coarse_level)).exp2()))
+    Some((fine, sign * BinaryTree::<f64>::amplitude(coarse_level)))
 }
 
 /// Means over the supports of details, from the coefficients of a signal of `size` whose entries lie `stride` apart.
@@ -215,7 +215,7 @@ fn means_down<T: Real>(entries: &mut [T], size: usize, stride: usize) {
     }
     for node in 1..size / 2 {
         let mean = entries[(size + node) * stride];
-        let detail = entries[node * stride] * T::of((0.5 * f64::from(node.ilog2())).exp2());
+        let detail = entries[node * stride] * BinaryTree::<T>::amplitude(node.ilog2());
         entries[(size + 2 * node) * stride] = mean + detail;
         entries[(size + 2 * node + 1) * stride] = mean - detail;
     }
@@ -226,7 +226,7 @@ fn means_up(entries: &mut [f64], size: usize, stride: usize) {
     for node in (1..size / 2).rev() {
         let [first, second] = [2 * node, 2 * node + 1].map(|child| entries[(size + child) * stride]);
         entries[(size + node) * stride] += first + second;
-        entries[node * stride] += (first - second) * (0.5 * f64::from(node.ilog2())).exp2();
+        entries[node * stride] += (first - second) * BinaryTree::<f64>::amplitude(node.ilog2());
     }
     if size > 1 {
         entries[0] += entries[(size + 1) * stride];

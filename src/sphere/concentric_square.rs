@@ -64,6 +64,19 @@ impl ConcentricSquare {
         HemisphereDisk::direction(&Self::to_disk(square))
     }
 
+    /// The local direction of the centre of a cell of `cells`² equal ones, whose index is row · cells + column: equal
+    /// solid angles of the hemisphere.
+    ///
+    /// # Panics
+    /// If there is no such cell.
+    #[track_caller]
+    #[inline]
+    pub fn cell_direction(cells: usize, index: usize) -> UnitVector3<f64> {
+        assert!(cells > 0 && index / cells < cells, "cell {index} of {cells} × {cells}");
+        let centre = |i: usize| (2 * i + 1) as f64 / cells as f64 - 1.0;
+        Self::direction(&Vector2::new(centre(index % cells), centre(index / cells)))
+    }
+
     /// The point of the square of a unit local direction; those below the horizon lie outside, up to √2.
     #[inline]
     pub fn point(direction: &UnitVector3<f64>) -> Vector2<f64> {

@@ -59,7 +59,8 @@ impl FactoredBrdf {
             let what = "terms of a factored BRDF";
             return Err(Error::OutOfRange { what, got: terms as f64, allowed: "in 1…the square of the cells" });
         }
-        let directions: Vec<Vector3<f64>> = (0..n).map(|i| centre(cells, i)).collect();
+        let directions: Vec<Vector3<f64>> =
+            (0..n).map(|i| ConcentricSquare::cell_direction(cells, i).into_inner()).collect();
         let weights: Vec<f64> = directions.iter().map(|d| d.z.sqrt()).collect();
         let rows: Vec<Vec<f64>> = parallel::map(n, |o| {
             let value = |i: usize| brdf.eval(&directions[i], &directions[o]) * (weights[i] * weights[o]);
@@ -189,10 +190,4 @@ impl Brdf for FactoredBrdf {
         }
         sum
     }
-}
-
-/// The direction of a cell's centre.
-fn centre(cells: usize, i: usize) -> Vector3<f64> {
-    let place = |i: usize| (2 * i + 1) as f64 / cells as f64 - 1.0;
-    ConcentricSquare::direction(&Vector2::new(place(i % cells), place(i / cells))).into_inner()
 }

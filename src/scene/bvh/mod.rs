@@ -162,14 +162,7 @@ impl Bvh {
     ///
     /// As [`closest_hit`](Self::closest_hit), but stops at the first face found.
     pub fn any_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
-        let Some(ray) = self.ray(origin, direction) else { return false };
-        let mut met = false;
-        ray.walk(&self.nodes, |mut faces| {
-            met = faces.any(|index| ray.intersect(&self.triangles[index]).is_some());
-            // Behind everything that is left.
-            if met { -1.0 } else { f64::INFINITY }
-        });
-        met
+        self.any_hit_within(origin, direction, f64::INFINITY)
     }
 
     /// Whether a ray meets any face before a distance, in units of the direction's length.
@@ -181,6 +174,7 @@ impl Bvh {
         let mut met = false;
         ray.walk(&self.nodes, |mut faces| {
             met = faces.any(|i| ray.intersect(&self.triangles[i]).is_some_and(|meeting| meeting.distance < end));
+            // Behind everything that is left.
             if met { -1.0 } else { end }
         });
         met

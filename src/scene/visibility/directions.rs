@@ -240,7 +240,7 @@ impl Directions {
                 let point = cell_centre(*cells, element);
                 (point.norm_squared() < 1.0).then(|| HemisphereDisk::direction(&point))
             }
-            Domain::Square(cells) => Some(ConcentricSquare::direction(&cell_centre(*cells, element))),
+            Domain::Square(cells) => Some(ConcentricSquare::cell_direction(*cells, element)),
             Domain::TopFace(face) => Some(face.cell_direction(element)),
             Domain::List(list) => Some(list[element]),
         }

@@ -137,9 +137,8 @@ impl Occluders {
     /// The object that a ray meets first, and where: as [`Bvh::closest_hit`], with distances in the world.
     pub fn closest_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> Option<(usize, Hit)> {
         let mut best: Option<(usize, Hit)> = None;
-        for (index, object) in self.objects.iter().enumerate().filter(|(_, o)| o.may_meet(origin, direction)) {
-            let (origin, direction) = object.ray(origin, direction);
-            if let Some(hit) = object.bvh.closest_hit(&origin, &direction)
+        for (index, bvh, origin, direction) in self.near(origin, direction) {
+            if let Some(hit) = bvh.closest_hit(&origin, &direction)
                 && best.is_none_or(|(_, nearest)| hit.distance < nearest.distance)
             {
                 best = Some((index, hit));
@@ -150,17 +149,25 @@ impl Occluders {
 
     /// Whether a ray meets any object.
     pub fn any_hit(&self, origin: &Vector3<f64>, direction: &Vector3<f64>) -> bool {
-        self.objects.iter().filter(|object| object.may_meet(origin, direction)).any(|object| {
-            let (origin, direction) = object.ray(origin, direction);
-            object.bvh.any_hit(&origin, &direction)
-        })
+        self.any_hit_within(origin, direction, f64::INFINITY)
     }
 
     /// Whether a ray meets any object before a distance, in units of the direction's length.
     pub fn any_hit_within(&self, origin: &Vector3<f64>, direction: &Vector3<f64>, distance: f64) -> bool {
-        self.objects.iter().filter(|object| object.may_meet(origin, direction)).any(|object| {
+        self.near(origin, direction)
+            .any(|(_, bvh, origin, direction)| bvh.any_hit_within(&origin, &direction, distance))
+    }
+
+    /// The objects whose ball a ray comes near: number, hierarchy, and the ray in the object's world.
+    fn near(
+        &self,
+        origin: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> impl Iterator<Item = (usize, &Bvh, Vector3<f64>, Vector3<f64>)> {
+        let near = |object: &Object| object.may_meet(origin, direction);
+        self.objects.iter().enumerate().filter(move |(_, object)| near(object)).map(|(index, object)| {
             let (origin, direction) = object.ray(origin, direction);
-            object.bvh.any_hit_within(&origin, &direction, distance)
+            (index, &*object.bvh, origin, direction)
         })
     }
 

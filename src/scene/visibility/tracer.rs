@@ -352,7 +352,7 @@ impl VisibilityTracer {
     }
 
     /// Runs `one` for every viewpoint on its `len` elements of one list.
-    pub(super) fn collect<T: Copy + Default + Send>(
+    fn collect<T: Copy + Default + Send>(
         &self,
         count: usize,
         len: usize,
