@@ -108,21 +108,13 @@ impl<T: Real> Propagation<T> {
         self.check_source(source);
         check_length("transport", lists.len(), transport.len());
         check_length("inner products", maps.len(), out.len());
-        parallel::chunks(
-            out,
-            TOGETHER,
-            || Memory::new(lists),
-            |task, out, memory| {
-                for (at, out) in out.iter_mut().enumerate() {
-                    let vertex = task * TOGETHER + at;
-                    memory.of(lists, vertex, C);
-                    let (transport, len) = (&transport[lists.range(vertex)], memory.targets.len());
-                    let Memory { targets, planes, scratch } = memory;
-                    self.apply(source, maps[vertex], targets, planes_of(planes, len), scratch);
-                    *out = std::array::from_fn(|c| dot(transport, &planes[c * len..][..len]));
-                }
-            },
-        );
+        each_vertex(out, lists, |vertex, memory| {
+            memory.of(lists, vertex, C);
+            let (transport, len) = (&transport[lists.range(vertex)], memory.targets.len());
+            let Memory { targets, planes, scratch } = memory;
+            self.apply(source, maps[vertex], targets, planes_of(planes, len), scratch);
+            std::array::from_fn(|c| dot(transport, &planes[c * len..][..len]))
+        });
     }
 
     /// The transpose of [`apply_lists`](Self::apply_lists): the gradient of a loss J in the coefficients of the source,
@@ -206,21 +198,12 @@ impl<T: Real> Propagation<T> {
         self.check_source(source);
         check_length("lists of cotangents", C * lists.len(), cotangent.len());
         check_length("gradients", maps.len(), out.len());
-        parallel::chunks(
-            out,
-            TOGETHER,
-            || Memory::new(lists),
-            |task, out, memory| {
-                for (at, out) in out.iter_mut().enumerate() {
-                    let vertex = task * TOGETHER + at;
-                    let Memory { targets, scratch, .. } = &mut *memory;
-                    lists.set(vertex, targets);
-                    let (start, len) = (C * lists.range(vertex).start, targets.len());
-                    let here = std::array::from_fn(|c| &cotangent[start + c * len..][..len]);
-                    *out = self.gradient(source, maps[vertex], targets, here, scratch);
-                }
-            },
-        );
+        each_vertex(out, lists, |vertex, Memory { targets, scratch, .. }| {
+            lists.set(vertex, targets);
+            let (start, len) = (C * lists.range(vertex).start, targets.len());
+            let here = std::array::from_fn(|c| &cotangent[start + c * len..][..len]);
+            self.gradient(source, maps[vertex], targets, here, scratch)
+        });
     }
 
     /// [`gradient_lists`](Self::gradient_lists) of the [`inner_products`](Self::inner_products), from `cotangent` =
@@ -242,24 +225,16 @@ impl<T: Real> Propagation<T> {
         check_length("transport", lists.len(), transport.len());
         check_length("cotangents", maps.len(), cotangent.len());
         check_length("gradients", maps.len(), out.len());
-        parallel::chunks(
-            out,
-            TOGETHER,
-            || Memory::new(lists),
-            |task, out, memory| {
-                for (at, out) in out.iter_mut().enumerate() {
-                    let vertex = task * TOGETHER + at;
-                    memory.of(lists, vertex, C);
-                    let (transport, len) = (&transport[lists.range(vertex)], memory.targets.len());
-                    let Memory { targets, planes, scratch } = &mut *memory;
-                    for (c, factor) in cotangent[vertex].into_iter().enumerate() {
-                        planes[c * len..][..len].iter_mut().zip(transport).for_each(|(g, &t)| *g = factor * t);
-                    }
-                    let here = std::array::from_fn(|c| &planes[c * len..][..len]);
-                    *out = self.gradient(source, maps[vertex], targets, here, scratch);
-                }
-            },
-        );
+        each_vertex(out, lists, |vertex, memory| {
+            memory.of(lists, vertex, C);
+            let (transport, len) = (&transport[lists.range(vertex)], memory.targets.len());
+            let Memory { targets, planes, scratch } = memory;
+            for (c, factor) in cotangent[vertex].into_iter().enumerate() {
+                planes[c * len..][..len].iter_mut().zip(transport).for_each(|(g, &t)| *g = factor * t);
+            }
+            let here = std::array::from_fn(|c| &planes[c * len..][..len]);
+            self.gradient(source, maps[vertex], targets, here, scratch)
+        });
     }
 
     #[track_caller]
@@ -303,6 +278,18 @@ impl<T: Real> Propagation<T> {
             self.adjoint_transform(out, &mut scratch);
         }
     }
+}
+
+/// Writes what `one` makes of every vertex, in parallel, with memory that each thread makes for itself.
+fn each_vertex<T: Real, R: Send>(out: &mut [R], lists: &TargetLists, one: impl Fn(usize, &mut Memory<T>) -> R + Sync) {
+    parallel::chunks(
+        out,
+        TOGETHER,
+        || Memory::new(lists),
+        |task, out, memory| {
+            out.iter_mut().enumerate().for_each(|(at, out)| *out = one(task * TOGETHER + at, memory));
+        },
+    );
 }
 
 /// Writes the entries of a vertex where they belong in an image of zeros.

@@ -64,82 +64,70 @@ fn weighted<T: Real, const L: usize>(k: &[T; L], q: &[T; L], c: &[T; L], s: &[T;
     [even, odd]
 }
 
-/// Adds to the sums of L receivers, a row for each coefficient.
-struct AddLanes<'a, T, const L: usize> {
-    sums: &'a mut [[T; L]],
-    k: &'a [[T; L]],
+/// Where the terms of L caps or receivers go.
+trait Sink<T, const L: usize> {
+    /// Adds to coefficient `at`.
+    fn add(&mut self, at: usize, value: &[T; L]);
 }
 
-impl<T: Real, const L: usize> Visitor<T, L> for AddLanes<'_, T, L> {
+/// Hands the terms of the walk to a sink.
+struct Add<'a, T, const L: usize, A> {
+    k: &'a [[T; L]],
+    sink: A,
+}
+
+impl<T: Real, const L: usize, A: Sink<T, L>> Visitor<T, L> for Add<'_, T, L, A> {
     #[inline(always)]
     fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
         let centre = l * (l + 1);
         let [even, odd] = weighted(&self.k[l], q, c, s);
-        for i in 0..L {
-            self.sums[centre + m][i] += even[i];
-        }
+        self.sink.add(centre + m, &even);
         if m > 0 {
-            for i in 0..L {
-                self.sums[centre - m][i] += odd[i];
-            }
+            self.sink.add(centre - m, &odd);
         }
     }
 }
 
-/// Adds to rows of the output, of which `count` of L places from `first` are there.
-struct AddRows<'a, T, const L: usize> {
+/// The sums of L receivers, a row for each coefficient.
+struct Lanes<'a, T, const L: usize>(&'a mut [[T; L]]);
+
+impl<T: Real, const L: usize> Sink<T, L> for Lanes<'_, T, L> {
+    #[inline(always)]
+    fn add(&mut self, at: usize, value: &[T; L]) {
+        for i in 0..L {
+            self.0[at][i] += value[i];
+        }
+    }
+}
+
+/// Rows of the output, of which `count` of L places from `first` are there.
+struct Rows<'a, T> {
     out: &'a mut [T],
     stride: usize,
     first: usize,
     count: usize,
-    k: &'a [[T; L]],
 }
 
-impl<T: Real, const L: usize> AddRows<'_, T, L> {
+impl<T: Real, const L: usize> Sink<T, L> for Rows<'_, T> {
     #[inline(always)]
-    fn add(&mut self, row: usize, value: &[T; L]) {
-        let out = &mut self.out[row * self.stride + self.first..][..self.count];
+    fn add(&mut self, at: usize, value: &[T; L]) {
+        let out = &mut self.out[at * self.stride + self.first..][..self.count];
         out.iter_mut().zip(value).for_each(|(out, value)| *out += *value);
     }
 }
 
-impl<T: Real, const L: usize> Visitor<T, L> for AddRows<'_, T, L> {
-    #[inline(always)]
-    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
-        let centre = l * (l + 1);
-        let [even, odd] = weighted(&self.k[l], q, c, s);
-        self.add(centre + m, &even);
-        if m > 0 {
-            self.add(centre - m, &odd);
-        }
-    }
-}
-
-/// Adds L caps to the sums of one receiver, one after the other; `count` of them are there.
-struct AddInOrder<'a, T, const L: usize> {
+/// The sums of one receiver, to which L caps are added one after the other; `count` of them are there.
+struct InOrder<'a, T> {
     out: &'a mut [T],
     count: usize,
-    k: &'a [[T; L]],
 }
 
-impl<T: Real, const L: usize> AddInOrder<'_, T, L> {
+impl<T: Real, const L: usize> Sink<T, L> for InOrder<'_, T> {
     #[inline(always)]
     fn add(&mut self, at: usize, value: &[T; L]) {
         let mut sum = self.out[at];
         value[..self.count].iter().for_each(|value| sum += *value);
         self.out[at] = sum;
-    }
-}
-
-impl<T: Real, const L: usize> Visitor<T, L> for AddInOrder<'_, T, L> {
-    #[inline(always)]
-    fn visit(&mut self, l: usize, m: usize, q: &[T; L], c: &[T; L], s: &[T; L]) {
-        let centre = l * (l + 1);
-        let [even, odd] = weighted(&self.k[l], q, c, s);
-        self.add(centre + m, &even);
-        if m > 0 {
-            self.add(centre - m, &odd);
-        }
     }
 }
 
@@ -195,10 +183,10 @@ impl<T: Real, D: Discs<T>> Job<'_, T, D> {
             factors(table, bands, &versine, &directed, &mut k);
             // A number that is known unrolls.
             if count == L {
-                let mut add = AddInOrder { out: &mut *out, count: L, k: &k };
+                let mut add = Add { k: &k, sink: InOrder { out: &mut *out, count: L } };
                 walk_fixed::<T, L, B, _>(&table.basis, bands, [&x, &y, &z], &mut add);
             } else {
-                let mut add = AddInOrder { out: &mut *out, count, k: &k };
+                let mut add = Add { k: &k, sink: InOrder { out: &mut *out, count } };
                 walk_fixed::<T, L, B, _>(&table.basis, bands, [&x, &y, &z], &mut add);
             }
         }
@@ -217,7 +205,7 @@ impl<T: Real, D: Discs<T>> Job<'_, T, D> {
             for disc in 0..discs.len() {
                 let Disc { direction: [x, y, z], versine, directed } = discs.receivers(disc, first);
                 factors(table, B, &versine, &directed, &mut k);
-                let mut add = AddLanes { sums: &mut sums, k: &k };
+                let mut add = Add { k: &k, sink: Lanes(&mut sums) };
                 walk_fixed::<T, L, B, _>(&table.basis, B, [&x, &y, &z], &mut add);
             }
             for (row, sums) in sums.iter().enumerate() {
@@ -236,7 +224,7 @@ impl<T: Real, D: Discs<T>> Job<'_, T, D> {
             for disc in 0..discs.len() {
                 let Disc { direction: [x, y, z], versine, directed } = discs.receivers(disc, first);
                 factors(table, table.bands, &versine, &directed, &mut k);
-                let mut add = AddRows { out: &mut *out, stride, first, count, k: &k };
+                let mut add = Add { k: &k, sink: Rows { out: &mut *out, stride, first, count } };
                 walk_fixed::<T, L, 0, _>(&table.basis, table.bands, [&x, &y, &z], &mut add);
             }
         }
