@@ -90,6 +90,10 @@ impl Fog {
     /// rays. A ray through a point light has no finite radiance.
     ///
     /// Error: falls with the square of 1/samples where shadows do not cross the ray.
+    ///
+    /// # Panics
+    /// If `samples` is 0.
+    #[track_caller]
     pub fn airlight(
         &self,
         eye: &Vector3<f64>,
@@ -99,6 +103,7 @@ impl Fog {
         occluders: Option<&Occluders>,
         samples: usize,
     ) -> Vector3<f64> {
+        assert!(samples > 0, "airlight without samples");
         if self.scattering == Vector3::zeros() || !(length > 0.0) {
             return Vector3::zeros();
         }

@@ -1,12 +1,13 @@
 //! What surfaces reflect to each other.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use super::Convergence;
 use super::distant::Shading;
+use super::{check_samples, hemisphere};
 use crate::parallel::{self, Watch};
 use crate::scene::{Bvh, Materials, Mesh, View, Viewpoint, VisibilitySettings};
-use crate::sphere::{ConcentricSquare, CubeGrid, CubeMap};
+use crate::sphere::{CubeGrid, CubeMap};
 use crate::{Error, Progress, Result};
 
 /// The radiance of every vertex that has been reflected by 1…n other places of the mesh first.
@@ -88,9 +89,9 @@ impl Interreflection<'_> {
     /// `progress` counts vertices, once for every bounce.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] without samples; [`Error::Length`] if `direct` or the materials do not fit the mesh;
-    /// [`Error::OutOfRange`] for [`Outgoing::Diffuse`] where a BRDF depends on the view; [`Error::NotFinite`] for a
-    /// BRDF with values that are NaN or infinite; [`Error::Cancelled`].
+    /// [`Error::OutOfRange`] unless `samples` is in 1…4096; [`Error::Length`] if `direct` or the materials do not fit
+    /// the mesh; [`Error::OutOfRange`] for [`Outgoing::Diffuse`] where a BRDF depends on the view; [`Error::NotFinite`]
+    /// for a BRDF with values that are NaN or infinite; [`Error::Cancelled`].
     pub fn radiance(
         &self,
         direct: &Outgoing,
@@ -99,9 +100,7 @@ impl Interreflection<'_> {
         progress: &dyn Progress,
     ) -> Result<Vec<Vector3<f64>>> {
         let vertices = self.mesh.positions().len();
-        if samples == 0 {
-            return Err(Error::OutOfRange { what: "samples along the hemisphere", got: 0.0, allowed: "at least 1" });
-        }
+        check_samples(samples)?;
         self.materials.check(vertices)?;
         if direct.vertices() != vertices {
             let what = "vertices with direct light";
@@ -117,7 +116,9 @@ impl Interreflection<'_> {
         }
         let starts = Viewpoint::of_vertices(self.mesh, VisibilitySettings::default().offset)?;
         let starts: Vec<Vector3<f64>> = starts.iter().map(Viewpoint::position).collect();
-        let watch = Watch::new(progress, vertices * bounces);
+        let hemisphere = hemisphere(samples);
+        let omega = std::f64::consts::PI / hemisphere.iter().map(|d| d.z).sum::<f64>();
+        let watch = Watch::new(progress, vertices.saturating_mul(bounces));
         let (mut sum, mut before) = (vec![Vector3::zeros(); vertices], direct.clone());
         for bounce in 0..bounces {
             let is_last = bounce + 1 == bounces;
@@ -126,7 +127,7 @@ impl Interreflection<'_> {
                 for (i, out) in chunk.iter_mut().enumerate() {
                     watch.check()?;
                     let vertex = index * CHUNK + i;
-                    self.gather(vertex, &starts[vertex], &before, samples, incident);
+                    self.gather(vertex, &starts[vertex], &before, (&hemisphere, omega), incident);
                     *out = self.reflect(vertex, incident, &before, is_last);
                     if !out.0.iter().all(|c| c.is_finite()) {
                         return Err(self.materials.not_finite(vertex));
@@ -162,24 +163,20 @@ impl Interreflection<'_> {
         Convergence::by_doubling(first, most, tolerance, |n| self.radiance(direct, bounces, n, progress))
     }
 
-    /// Directions of the world and L dω of what a vertex sees of the mesh.
+    /// Directions of the world and L dω of what a vertex sees of the mesh, in solid angles `omega` about local
+    /// directions.
     fn gather(
         &self,
         vertex: usize,
         start: &Vector3<f64>,
         outgoing: &Outgoing,
-        samples: usize,
+        (hemisphere, omega): (&[Vector3<f64>], f64),
         incident: &mut Vec<(Vector3<f64>, Vector3<f64>)>,
     ) {
-        let centre = |i: usize| (2 * i + 1) as f64 / samples as f64 - 1.0;
-        // cos θ = 1 − max(|x|, |y|)² on the square.
-        let cosine = |i: usize| 1.0 - centre(i % samples).abs().max(centre(i / samples).abs()).powi(2);
-        let omega = std::f64::consts::PI / (0..samples * samples).map(cosine).sum::<f64>();
         let frame = self.mesh.local_frame(vertex);
         incident.clear();
-        for i in 0..samples * samples {
-            let point = Vector2::new(centre(i % samples), centre(i / samples));
-            let direction = frame.to_world(&ConcentricSquare::direction(&point));
+        for local in hemisphere {
+            let direction = frame.to_world(local);
             let Some(hit) = self.bvh.closest_hit(start, &direction) else { continue };
             let [a, b, c] = self.mesh.corners(hit.face as usize).map(|p| p.cast::<f64>());
             if (b - a).cross(&(c - a)).dot(&direction) >= 0.0 {

@@ -1,14 +1,14 @@
 //! The right answer for lamps.
 
-use nalgebra::{Vector2, Vector3};
+use nalgebra::Vector3;
 
 use super::Convergence;
 use super::distant::Shading;
 use super::fog::{Fog, SHORT_OF_THE_LAMP};
+use super::{check_samples, hemisphere};
 use crate::parallel::{self, Watch};
 use crate::scene::{LocalLight, Materials, Mesh, Occluders, View, Viewpoint, VisibilitySettings};
-use crate::sphere::ConcentricSquare;
-use crate::{Error, Progress, Result};
+use crate::{Progress, Result};
 
 /// The radiance of every vertex under lamps, summed over parts of each lamp.
 ///
@@ -45,16 +45,16 @@ impl LocalTruth<'_> {
     /// The radiance of every vertex, by `samples`² parts of every lamp (of every pixel of a texture).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] without samples, [`Error::Length`] if the materials do not fit the mesh,
-    /// [`Error::NotFinite`] for a BRDF or light field with a value that is NaN or infinite (the index is then the
-    /// BRDF's in [`Materials::brdfs`]), [`Error::Cancelled`].
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless `samples` is in 1…4096,
+    /// [`Error::Length`](crate::Error::Length) if the materials do not fit the mesh,
+    /// [`Error::NotFinite`](crate::Error::NotFinite) for a BRDF or light field with a value that is NaN or infinite
+    /// (the index is then the BRDF's in [`Materials::brdfs`]), [`Error::Cancelled`](crate::Error::Cancelled).
     pub fn radiance(&self, samples: usize, progress: &dyn Progress) -> Result<Vec<Vector3<f64>>> {
-        if samples == 0 {
-            return Err(Error::OutOfRange { what: "samples along a lamp", got: 0.0, allowed: "at least 1" });
-        }
+        check_samples(samples)?;
         let vertices = self.mesh.positions().len();
         self.materials.check(vertices)?;
         let starts = Viewpoint::of_vertices(self.mesh, VisibilitySettings::default().offset)?;
+        let hemisphere = if self.fog.is_some() { hemisphere(samples) } else { vec![] };
         let mut out = vec![Vector3::zeros(); vertices];
         let watch = Watch::new(progress, vertices);
         parallel::try_chunks(
@@ -65,7 +65,7 @@ impl LocalTruth<'_> {
                 for (i, radiance) in chunk.iter_mut().enumerate() {
                     watch.check()?;
                     let vertex = index * CHUNK + i;
-                    *radiance = self.vertex(vertex, &starts[vertex].position(), samples);
+                    *radiance = self.vertex(vertex, &starts[vertex].position(), &hemisphere, samples);
                     if !radiance.iter().all(|c| c.is_finite()) {
                         return Err(self.materials.not_finite(vertex));
                     }
@@ -86,7 +86,8 @@ impl LocalTruth<'_> {
         Convergence::by_doubling(first, most, tolerance, |samples| self.radiance(samples, progress))
     }
 
-    fn vertex(&self, vertex: usize, start: &Vector3<f64>, samples: usize) -> Vector3<f64> {
+    /// `hemisphere` is looked along for what fog scatters.
+    fn vertex(&self, vertex: usize, start: &Vector3<f64>, hemisphere: &[Vector3<f64>], samples: usize) -> Vector3<f64> {
         let shading = Shading::new(self.mesh, self.materials, self.view, vertex);
         if shading.wo.z <= 0.0 {
             return Vector3::zeros();
@@ -109,17 +110,22 @@ impl LocalTruth<'_> {
                 sum += shading.reflect(&part.direction, &part.irradiance.component_mul(&through));
             });
         }
-        sum + self.fog.map_or(Vector3::zeros(), |fog| self.glow(fog, &shading, start, samples))
+        sum + self.fog.map_or(Vector3::zeros(), |fog| self.glow(fog, &shading, start, hemisphere, samples))
     }
 
     /// What the fog scatters towards a surface and the surface reflects.
-    fn glow(&self, fog: &Fog, shading: &Shading, start: &Vector3<f64>, samples: usize) -> Vector3<f64> {
-        let omega = std::f64::consts::TAU / (samples * samples) as f64;
-        let centre = |i: usize| (2 * i + 1) as f64 / samples as f64 - 1.0;
+    fn glow(
+        &self,
+        fog: &Fog,
+        shading: &Shading,
+        start: &Vector3<f64>,
+        directions: &[Vector3<f64>],
+        samples: usize,
+    ) -> Vector3<f64> {
+        let omega = std::f64::consts::TAU / directions.len() as f64;
         let mut sum = Vector3::zeros();
-        for i in 0..samples * samples {
-            let point = Vector2::new(centre(i % samples), centre(i / samples));
-            let direction = shading.axes.to_world(&ConcentricSquare::direction(&point));
+        for local in directions {
+            let direction = shading.axes.to_world(local);
             let hit = self.occluders.and_then(|o| o.closest_hit(start, &direction));
             let length = hit.map_or(f64::INFINITY, |(_, hit)| hit.distance);
             let radiance = fog.airlight(start, &direction, length, self.lights, self.occluders, samples);
