@@ -12,7 +12,7 @@ use haarmonic::sphere::CubeGrid;
 use haarmonic::{Error, Progress};
 use proptest::prelude::*;
 
-use crate::support::{baker, cases, grid};
+use crate::support::{baker, cases, grid, room};
 
 type V = Vector3<f32>;
 
@@ -24,34 +24,6 @@ fn bake(mesh: &Mesh, side: usize) -> BinaryVisibility {
 fn above(mesh: &Mesh, grid: CubeGrid, vertex: usize) -> Vec<usize> {
     let normal = mesh.normals()[vertex].cast::<f64>();
     (0..grid.len()).filter(|&t| normal.dot(&grid.direction(t)) > 0.0).collect()
-}
-
-/// A room: the inside of the cube [−1, 1]³ in n² cells a wall, hard edges, normals inwards.
-fn room(n: usize) -> Mesh {
-    let (mut positions, mut normals, mut faces) = (vec![], vec![], vec![]);
-    for axis in 0..3 {
-        for side in [-1.0, 1.0] {
-            let base = positions.len() as u32;
-            for i in 0..=n {
-                for j in 0..=n {
-                    let mut p = V::repeat(side);
-                    p[(axis + 1) % 3] = 2.0 * i as f32 / n as f32 - 1.0;
-                    p[(axis + 2) % 3] = 2.0 * j as f32 / n as f32 - 1.0;
-                    positions.push(p);
-                    normals.push(V::ith(axis, -side));
-                }
-            }
-            for i in 0..n as u32 {
-                for j in 0..n as u32 {
-                    let w = n as u32 + 1;
-                    let [a, b, c, d] =
-                        [i * w + j, (i + 1) * w + j, (i + 1) * w + j + 1, i * w + j + 1].map(|k| base + k);
-                    faces.extend(if side < 0.0 { [[a, b, c], [a, c, d]] } else { [[a, c, b], [a, d, c]] });
-                }
-            }
-        }
-    }
-    Mesh::with_normals(positions, normals, faces).unwrap()
 }
 
 /// A floor [−h, h]² at y = 0 with a vertex at its middle (number 0), and a sphere of icosahedral cut `parts`.

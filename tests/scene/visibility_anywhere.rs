@@ -182,11 +182,10 @@ fn a_scene_that_moves_with_its_viewer_looks_the_same() {
     assert!(differ * 2000 < rays, "{differ} of {rays}");
 }
 
-/// A sphere of radius r at distance d hides the solid angle 2π(1 − √(1 − r²/d²)), whatever is asked in which frame.
+/// Maps of equal areas see the share of the hemisphere that a very fine cube map sees, each in its own way.
 #[test]
-fn a_sphere_hides_its_cap() {
+fn maps_of_any_kind_see_the_same_share() {
     let sphere = Procedural::StackedSpheres.build(4_000).unwrap().mesh;
-    // Any body will do; the exact share is that of a very fine cube map.
     let occluders = Arc::new(Occluders::of_mesh(&sphere));
     let place = Viewpoint::new(Vector3::new(2.5, 0.4, 1.0)).unwrap();
     let towards = UnitVector3::new_normalize(Vector3::new(-2.5, 0.1, -0.7));
@@ -204,9 +203,9 @@ fn a_sphere_hides_its_cap() {
     };
     assert!(fine > 0.3 && fine < 0.9, "{fine}");
     for (name, share, tolerance) in [
-        ("disk", share(Directions::disk(256).unwrap()), 1e-3),
+        ("disk", share(Directions::disk(256).unwrap()), 5e-4),
         ("square", share(Directions::square(256).unwrap()), 1e-3),
-        ("few on the disk", share(Directions::disk(32).unwrap()), 2e-2),
+        ("few on the disk", share(Directions::disk(32).unwrap()), 1e-2),
     ] {
         assert!((share - fine).abs() < tolerance, "{name}: {share} against {fine}");
     }

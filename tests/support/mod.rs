@@ -24,5 +24,5 @@ pub use golden::{HAAR_AFFINE, HARMONICS, golden, half_power, number, numbers};
 pub use harmonics::coefficients;
 pub use noise::{Stream, noise, random};
 #[cfg(feature = "scene")]
-pub use scene::{baker, grid, noisy, soup};
+pub use scene::{baker, grid, noisy, room, soup};
 pub use watch::Watch;
