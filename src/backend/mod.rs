@@ -23,6 +23,8 @@
 #[cfg(feature = "block_product")]
 pub mod block_product;
 mod distant;
+#[cfg(feature = "near_field")]
+pub mod near_field;
 #[cfg(feature = "wavelet_double")]
 pub mod wavelet_double;
 #[cfg(feature = "wavelet_triple")]
