@@ -6,7 +6,6 @@
 use nalgebra::Vector3;
 
 use super::{Axes, Brdf, DirectionTable, plane_count, split_colour};
-use crate::sphere::Face;
 
 /// N values (1 = the scalar s, 3 = RGB) of a lobe: f · cos θ_i but for a constant factor.
 pub(crate) trait Kernel<const N: usize>: Copy {
@@ -134,17 +133,12 @@ fn sweep_one<const N: usize, K: Kernel<N>>(
     weight: f32,
     out: &mut [f32],
 ) {
-    let side = table.grid().side();
-    for (f, face) in Face::ALL.into_iter().enumerate() {
-        if DirectionTable::face_is_below(face, normal) {
-            continue;
-        }
-        for row in 0..side {
-            let first = (f * side + row) * side;
-            let d = table.slices(first, side);
-            if !row_is_below(normal, d) {
-                row_one(kernel, normal, weight, d, &mut out[first..first + side]);
-            }
+    let len = table.row();
+    for row in table.rows_above(normal) {
+        let first = row * len;
+        let d = table.slices(first, len);
+        if !row_is_below(normal, d) {
+            row_one(kernel, normal, weight, d, &mut out[first..first + len]);
         }
     }
 }
@@ -173,21 +167,15 @@ fn sweep_three<const N: usize, K: Kernel<N>>(
     weights: [f32; 3],
     out: &mut [f32],
 ) {
-    let side = table.grid().side();
+    let len = table.row();
     let (red, rest) = out.split_at_mut(table.len());
     let (green, blue) = rest.split_at_mut(table.len());
-    for (f, face) in Face::ALL.into_iter().enumerate() {
-        if DirectionTable::face_is_below(face, normal) {
-            continue;
-        }
-        for row in 0..side {
-            let first = (f * side + row) * side;
-            let d = table.slices(first, side);
-            if !row_is_below(normal, d) {
-                let range = first..first + side;
-                let planes = [&mut red[range.clone()], &mut green[range.clone()], &mut blue[range]];
-                row_three(kernel, normal, weights, d, planes);
-            }
+    for row in table.rows_above(normal) {
+        let range = row * len..(row + 1) * len;
+        let d = table.slices(range.start, len);
+        if !row_is_below(normal, d) {
+            let planes = [&mut red[range.clone()], &mut green[range.clone()], &mut blue[range]];
+            row_three(kernel, normal, weights, d, planes);
         }
     }
 }
