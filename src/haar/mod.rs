@@ -17,7 +17,7 @@
 //! | you have | you want | use |
 //! |---|---|---|
 //! | samples | coefficients, and back | [`Transform1d`], [`Transform2d`] |
-//! | too many coefficients | the few that matter | [`Selection`] |
+//! | too many coefficients | the few that matter | [`Selection`]; by the error that may be made: [`threshold_for_error`] |
 //! | light and lobe in few terms, a shadow | ∫ of their product | [`TripleProduct`] |
 //! | two signals | the coefficients of their product | [`Product1d`], [`Product2d`], [`multiply_sparse_2d`] |
 //! | the same in the standard basis | | [`StandardTripleProduct`], [`StandardProduct`], [`multiply_sparse_standard`] |
@@ -41,6 +41,7 @@ mod sample_warp;
 mod select;
 mod sparse;
 mod standard_product;
+mod threshold;
 mod transform_1d;
 mod transform_2d;
 pub(crate) mod transform_kernels;
@@ -59,6 +60,7 @@ pub use sample_warp::{SampleWarp1d, SampleWarp2d};
 pub use select::{ChannelRule, Keep, ScalingTerms, Selection, SelectionScratch, Weighting, select, transport_weights};
 pub use sparse::SparseVector;
 pub use standard_product::{StandardProduct, StandardTripleProduct, multiply_sparse_standard};
+pub use threshold::threshold_for_error;
 pub use transform_1d::{Transform1d, forward_1d, inverse_1d};
 pub use transform_2d::{Decomposition, Transform2d, forward_2d, inverse_2d};
 pub use transform_nd::TransformNd;

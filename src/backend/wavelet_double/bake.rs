@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::block::{Block, Values};
 use super::settings::{BakeSettings, Precision};
 use crate::Result;
-use crate::haar::{MaskedSum, Transform2d};
+use crate::haar::{MaskedSum, Transform2d, threshold_for_error};
 use crate::scene::{BinaryVisibility, DirectionTable, Materials, Mesh, View};
 
 pub(super) struct Baker<'a> {
@@ -54,7 +54,7 @@ impl Baker<'_> {
                     Precision::Bits16 => (largest / 32767.0, Some(())),
                     Precision::Bits8 => (largest / 127.0, Some(())),
                 };
-                let threshold = energy_threshold(plane, self.settings.tolerance);
+                let threshold = threshold_for_error(plane, self.settings.tolerance);
                 for (i, &x) in plane.iter().enumerate() {
                     let stored = if levels.is_some() { (x / scale).round() } else { x };
                     if x.abs() >= threshold && stored != 0.0 {
@@ -94,51 +94,10 @@ impl Baker<'_> {
     }
 }
 
-/// A threshold below which the coefficients hold at most `tolerance`² of the energy Σ x².
-///
-/// The energy is binned by the top bits of the magnitude (8 bins an octave), so that no sorting is needed; the
-/// threshold is the lower edge of the first bin that would exceed the budget.
-fn energy_threshold(coefs: &[f32], tolerance: f32) -> f32 {
-    const SHIFT: u32 = 20;
-    let mut bins = vec![0.0f64; 1 << (31 - SHIFT)];
-    for x in coefs {
-        bins[(x.abs().to_bits() >> SHIFT) as usize] += f64::from(*x) * f64::from(*x);
-    }
-    let budget = bins.iter().sum::<f64>() * f64::from(tolerance).powi(2);
-    let mut dropped = 0.0;
-    for (bin, energy) in bins.iter().enumerate() {
-        dropped += energy;
-        if dropped > budget {
-            return f32::from_bits((bin as u32) << SHIFT);
-        }
-    }
-    0.0
-}
-
 /// Copies what a vertex sees and sets the rest to 0. Shapes: six faces of words, six of values.
 fn mask(masked: &MaskedSum, words: &[u64], values: &[f32], out: &mut [f32]) {
     let faces = values.chunks_exact(values.len() / 6).zip(out.chunks_exact_mut(values.len() / 6));
     for ((values, out), words) in faces.zip(words.chunks_exact(words.len() / 6)) {
         masked.mask(values, words, out);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_threshold_keeps_the_energy_it_promises() {
-        let coefs: Vec<f32> = (0..4096).map(|i| ((i * 37 % 1009) as f32 / 300.0).powi(5) * 1e-3).collect();
-        let total: f64 = coefs.iter().map(|x| f64::from(*x).powi(2)).sum();
-        for tolerance in [0.0f32, 1e-4, 0.01, 0.1, 0.5] {
-            let threshold = energy_threshold(&coefs, tolerance);
-            let dropped: f64 = coefs.iter().filter(|x| x.abs() < threshold).map(|x| f64::from(*x).powi(2)).sum();
-            let share = (dropped / total).sqrt();
-            assert!(share <= f64::from(tolerance), "{share} dropped at {tolerance}");
-            // The bins are an eighth of an octave wide: the budget is nearly used up.
-            assert!(tolerance == 0.0 || share > 0.5 * f64::from(tolerance), "only {share} dropped at {tolerance}");
-        }
-        assert_eq!(energy_threshold(&[0.0; 8], 0.1), 0.0);
     }
 }
