@@ -21,6 +21,7 @@
 //! | no time for all targets | those that will matter | [`Prediction`] → [`Targets`] |
 //! | many vertices, each with targets of its own | the light of each | [`Propagation::apply_lists`], with [`TargetLists`] |
 //! | a transport vector a vertex | what each sends on, its light not stored | [`Propagation::inner_products`] |
+//! | the same, in pixels | it, by exact areas and without a transform | [`PixelOperator`] |
 //! | memory, few (s, o) | couplings looked up | [`StoredCouplings`] |
 //! | sparse F, G, W | ∫ F(s v + o) G W dv and its gradient | [`AffineProduct1d`], [`AffineProduct2d`] |
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |
@@ -89,7 +90,7 @@ pub use product::{
     affine_double_product_2d, affine_triple_product_1d, affine_triple_product_2d,
 };
 pub use propagation::{
-    Axis, Propagation, PropagationRoute, PropagationScratch, PropagationSource, TargetLists, Targets,
+    Axis, PixelOperator, Propagation, PropagationRoute, PropagationScratch, PropagationSource, TargetLists, Targets,
 };
 pub use stored::{StoredCouplings, StoredOperator};
 pub use table::{CanonicalTable, Filter, Quantisation};

@@ -99,6 +99,48 @@ impl<T: Real> Band<T> {
         }
     }
 
+    /// The target cells that see any source.
+    #[inline(always)]
+    pub(super) fn active(&self) -> Range<usize> {
+        self.active.clone()
+    }
+
+    /// The source cells, of so many, that any of those may see.
+    #[inline(always)]
+    pub(super) fn reached(&self, sources: usize) -> Range<usize> {
+        let bases = &self.base[self.active.clone()];
+        match (bases.first(), bases.last()) {
+            // Bases rise or fall.
+            (Some(&a), Some(&b)) => a.min(b) as usize..(a.max(b) as usize + self.count).min(sources),
+            _ => 0..0,
+        }
+    }
+
+    /// As [`scatter`](Self::scatter), in the `rows` that are reached and some `columns`; what is elsewhere stays.
+    ///
+    /// Shapes: src and dst have rows of `width`.
+    #[inline(always)]
+    pub(super) fn scatter_part(
+        &self,
+        rows: Range<usize>,
+        columns: Range<usize>,
+        width: usize,
+        src: &[T],
+        dst: &mut [T],
+    ) {
+        let part = |row: usize| row * width + columns.start..row * width + columns.end;
+        rows.for_each(|row| dst[part(row)].fill(T::zero()));
+        for k in self.active.clone() {
+            let row = &src[part(k)];
+            for q in 0..self.count {
+                let w = self.weight[k * self.count + q];
+                for (sum, &x) in dst[part(self.base[k] as usize + q)].iter_mut().zip(row) {
+                    *sum += w * x;
+                }
+            }
+        }
+    }
+
     /// The transpose of [`combine`](Self::combine): dst[base[k] + q] += weight · src[k], from 0.
     #[inline(always)]
     pub(super) fn scatter(&self, width: usize, src: &[T], dst: &mut [T]) {

@@ -4,6 +4,7 @@ mod band;
 mod cost;
 mod lists;
 mod lookups;
+mod pixel_operator;
 mod pixels;
 mod source;
 mod targets;
@@ -14,6 +15,7 @@ use pulp::Arch;
 
 use band::{Band, Weights};
 pub use lists::TargetLists;
+pub use pixel_operator::PixelOperator;
 use pixels::{Resample, Scatter};
 pub use source::PropagationSource;
 pub use targets::Targets;

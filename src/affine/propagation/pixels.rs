@@ -1,5 +1,7 @@
 //! The route through pixels: area resampling along x, then y, then the Haar transform.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::band::{Band, Weights};
@@ -82,20 +84,27 @@ impl<T: Real> WithSimd for Scatter<'_, T> {
 /// dst[x][y] = src[y][x], for y < height and x < width, powers of two.
 #[inline(always)]
 pub(super) fn transpose<T: Real>([height, width]: [usize; 2], src: &[T], dst: &mut [T]) {
+    transpose_part([0..height, 0..width], [width, height], src, dst);
+}
+
+/// dst[x][y] = src[y][x] for the rows y and columns x of a part, whose ends are multiples of a block's or of a smaller
+/// side; rows of src are `pitch[0]` long, those of dst `pitch[1]`.
+#[inline(always)]
+pub(super) fn transpose_part<T: Real>([rows, columns]: [Range<usize>; 2], pitch: [usize; 2], src: &[T], dst: &mut [T]) {
     const BLOCK: usize = 8;
-    if height.min(width) < BLOCK {
-        for y in 0..height {
-            for x in 0..width {
-                dst[x * height + y] = src[y * width + x];
+    if rows.len().min(columns.len()) < BLOCK {
+        for y in rows {
+            for x in columns.clone() {
+                dst[x * pitch[1] + y] = src[y * pitch[0] + x];
             }
         }
         return;
     }
-    for y in (0..height).step_by(BLOCK) {
-        for x in (0..width).step_by(BLOCK) {
+    for y in rows.step_by(BLOCK) {
+        for x in columns.clone().step_by(BLOCK) {
             let mut block = [[T::zero(); BLOCK]; BLOCK];
             for (k, row) in block.iter_mut().enumerate() {
-                *row = src[(y + k) * width + x..].as_chunks::<BLOCK>().0[0];
+                *row = src[(y + k) * pitch[0] + x..].as_chunks::<BLOCK>().0[0];
             }
             let mut turned = [[T::zero(); BLOCK]; BLOCK];
             for j in 0..BLOCK {
@@ -104,7 +113,7 @@ pub(super) fn transpose<T: Real>([height, width]: [usize; 2], src: &[T], dst: &m
                 }
             }
             for (k, row) in turned.iter().enumerate() {
-                dst[(x + k) * height + y..].as_chunks_mut::<BLOCK>().0[0] = *row;
+                dst[(x + k) * pitch[1] + y..].as_chunks_mut::<BLOCK>().0[0] = *row;
             }
         }
     }
