@@ -62,6 +62,8 @@ kinds! {
     WaveletDouble: b"WDBL", version 2, "a transport of wavelet double products";
     /// The transport of `backend::wavelet_triple`.
     WaveletTriple: b"WTRI", version 2, "a transport of wavelet triple products";
+    /// The transport of `backend::near_field`.
+    NearField: b"NEAR", version 1, "a transport of near-field relighting";
     /// The transport of `backend::block_product`.
     BlockProduct: b"BLKP", version 3, "a transport of block products";
 }

@@ -1,17 +1,19 @@
 //! A textured rectangle at a place.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use super::texture::Placement;
 use crate::affine::AffineMap;
-use crate::scene::{LocalFrame, LocalLight, RectangleLight};
+use crate::scene::{LightField, LocalFrame, LocalLight, RectangleLight};
 use crate::sphere::TopFace;
 use crate::{Error, Result};
 
 /// A rectangle with a texture of radiance, in a plane across the normal of a frame that the caller has chosen for all
 /// lights and transports: it shines against that normal, downwards if the normal points up.
 ///
-/// The light is *planar*: the same radiance leaves a point of it in all directions. Columns of the texture run along
+/// The same radiance leaves a point of it in all directions, unless there is a [`profile`](Self::set_profile). Columns of the texture run along
 /// the frame's tangent and rows along its bitangent, both turned by the light's rotation about the normal. Seen from
 /// below, with the tangent to the right, the texture stands upright.
 ///
@@ -39,6 +41,27 @@ pub struct PlanarLight {
     texture: Vec<Vector3<f32>>,
     /// Empty: all of the texture shines.
     mask: Vec<f32>,
+    profile: Option<Profile>,
+}
+
+/// How much of the radiance leaves in a direction.
+#[derive(Clone)]
+struct Profile(Arc<Share>);
+
+/// A function of the unit direction that leaves the light.
+type Share = dyn Fn(&Vector3<f64>) -> f64 + Send + Sync;
+
+impl std::fmt::Debug for Profile {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Profile").finish_non_exhaustive()
+    }
+}
+
+impl PartialEq for Profile {
+    /// Whether these are the same object.
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 impl PlanarLight {
@@ -59,7 +82,7 @@ impl PlanarLight {
         check_texture(&texture)?;
         check_centre(&centre)?;
         check_size(size)?;
-        Ok(Self { centre, size, rotation: 0.0, width, texture, mask: Vec::new() })
+        Ok(Self { centre, size, rotation: 0.0, width, texture, mask: Vec::new(), profile: None })
     }
 
     /// A light of one radiance.
@@ -143,6 +166,31 @@ impl PlanarLight {
         self.mask.clear();
         self.mask.extend_from_slice(mask);
         Ok(())
+    }
+
+    /// Makes the light a light field that is a product: the radiance of a texel into a direction is the texel's times
+    /// the profile's value for that unit direction of the world, which leaves the light.
+    ///
+    /// Any light field is a sum of such products, to any accuracy: so many lights at one place. Where the profile is
+    /// not finite nothing leaves.
+    pub fn set_profile(&mut self, profile: impl Fn(&Vector3<f64>) -> f64 + Send + Sync + 'static) {
+        self.profile = Some(Profile(Arc::new(profile)));
+    }
+
+    /// The same radiance leaves in all directions again.
+    pub fn clear_profile(&mut self) {
+        self.profile = None;
+    }
+
+    /// Whether radiance depends on the direction.
+    pub fn has_profile(&self) -> bool {
+        self.profile.is_some()
+    }
+
+    /// The share of the radiance that leaves in a unit direction of the world: 1 without a profile.
+    pub fn profile(&self, direction: &Vector3<f64>) -> f64 {
+        let share = self.profile.as_ref().map_or(1.0, |profile| profile.0(direction));
+        if share.is_finite() { share } else { 0.0 }
     }
 
     /// The middle, in world coordinates.
@@ -245,6 +293,15 @@ impl PlanarLight {
         // Rows run along −bitangent there, so that u × v points down.
         let (half_u, half_v) = (world(Vector2::new(half[0], 0.0)), world(Vector2::new(0.0, -half[1])));
         let [width, height] = self.texture_size();
+        if self.has_profile() {
+            let light = self.clone();
+            let radiance = move |[s, t]: [f64; 2], direction: &Vector3<f64>| {
+                let texel = |s: f64, n: usize| ((s * n as f64) as usize).min(n - 1);
+                let (x, y) = (texel(s, width), texel(1.0 - t, height));
+                light.radiance(y * width + x).cast() * light.profile(direction)
+            };
+            return Ok(LocalLight::Field(LightField::new(self.centre, half_u, half_v, radiance)?));
+        }
         let rows = (0..height).rev().flat_map(|y| (0..width).map(move |x| y * width + x));
         let texture = rows.map(|texel| self.radiance(texel)).collect();
         Ok(LocalLight::Rectangle(RectangleLight::new(self.centre, half_u, half_v, width, texture)?))

@@ -126,6 +126,19 @@ impl FactoredBrdf {
         })
     }
 
+    /// g_k(wi) of the first terms at once, as many as there is room for; 0 below the horizon.
+    ///
+    /// # Panics
+    /// If there are fewer terms.
+    #[track_caller]
+    pub fn incident_terms(&self, wi: &Vector3<f64>, out: &mut [Vector3<f64>]) {
+        let (corners, tables) = (self.look_up(wi), &self.incident[..out.len()]);
+        for (out, table) in out.iter_mut().zip(tables) {
+            *out = corners
+                .map_or(Vector3::zeros(), |corners| corners.iter().map(|&(cell, weight)| table[cell] * weight).sum());
+        }
+    }
+
     /// h_k(wo); 0 below the horizon.
     ///
     /// # Panics
@@ -134,6 +147,53 @@ impl FactoredBrdf {
     pub fn outgoing(&self, term: usize, wo: &Vector3<f64>) -> f64 {
         self.look_up(wo)
             .map_or(0.0, |corners| corners.iter().map(|&(cell, weight)| self.outgoing[term][cell] * weight).sum())
+    }
+
+    /// [`outgoing`](Self::outgoing) of the first terms at once, as many as there is room for.
+    ///
+    /// # Panics
+    /// If there are fewer terms.
+    #[track_caller]
+    pub fn outgoing_terms(&self, wo: &Vector3<f64>, out: &mut [f64]) {
+        let (corners, tables) = (self.look_up(wo), &self.outgoing[..out.len()]);
+        for (out, table) in out.iter_mut().zip(tables) {
+            *out = corners.map_or(0.0, |corners| corners.iter().map(|&(cell, weight)| table[cell] * weight).sum());
+        }
+    }
+
+    /// For a file: cells, terms, then all numbers.
+    #[allow(dead_code, reason = "for those back ends whose files hold factors")]
+    pub(crate) fn to_numbers(&self) -> (usize, usize, Vec<f64>) {
+        let incident = self.incident.iter().flatten().flat_map(|g| <[f64; 3]>::from(*g));
+        let outgoing = self.outgoing.iter().flatten().copied();
+        let rest = self.errors.iter().copied().chain([self.cell_error]);
+        (self.cells, self.terms(), incident.chain(outgoing).chain(rest).collect())
+    }
+
+    /// How many numbers a file has of so many cells and terms; none if there are no such factors.
+    #[allow(dead_code, reason = "for those back ends whose files hold factors")]
+    pub(crate) fn numbers(cells: usize, terms: usize) -> Option<usize> {
+        let is_possible = (2..=Self::MAX_CELLS).contains(&cells) && (1..=cells * cells).contains(&terms);
+        is_possible.then(|| 4 * terms * cells * cells + terms + 1)
+    }
+
+    /// What [`to_numbers`](Self::to_numbers) gave; none for another number of numbers, or one that is not finite.
+    #[allow(dead_code, reason = "for those back ends whose files hold factors")]
+    pub(crate) fn from_numbers(cells: usize, terms: usize, numbers: &[f64]) -> Option<Self> {
+        if Self::numbers(cells, terms) != Some(numbers.len()) || !numbers.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let n = cells * cells;
+        let (incident, rest) = numbers.split_at(3 * terms * n);
+        let (outgoing, rest) = rest.split_at(terms * n);
+        let incident: Vec<Vector3<f64>> = incident.as_chunks::<3>().0.iter().map(|&g| g.into()).collect();
+        Some(Self {
+            cells,
+            incident: incident.chunks_exact(n).map(<[_]>::to_vec).collect(),
+            outgoing: outgoing.chunks_exact(n).map(<[_]>::to_vec).collect(),
+            errors: rest[..terms].to_vec(),
+            cell_error: rest[terms],
+        })
     }
 
     /// The four cells around a direction and their weights; `None` below the horizon.
