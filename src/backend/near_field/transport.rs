@@ -36,7 +36,7 @@ use crate::{Error, Progress, Result};
 ///
 /// let model = Procedural::StackedSpheres.build(1_000)?;
 /// let grey = Materials::uniform(Lambert::new([0.5; 3])?);
-/// let view = View::eye(model.camera.eye())?;
+/// let view = View::eye(model.camera.eye().cast())?;
 /// let settings = BakeSettings { cells: 16, samples: 1, ..BakeSettings::default() };
 /// let transport = Transport::bake(&model.mesh, Occluders::of_mesh(&model.mesh), &view, &grey, settings, &())?;
 ///

@@ -2,4 +2,6 @@
 
 #[cfg(feature = "block_product")]
 pub mod block_product;
+#[cfg(feature = "near_field")]
+pub mod near_field;
 pub mod wavelet;
