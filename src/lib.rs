@@ -66,7 +66,7 @@
 //! | you want | take |
 //! |---|---|
 //! | moving geometry on a GPU that traces rays | ray tracing with resampling (ReSTIR) |
-//! | area lights without shadows | linearly transformed cosines, which Bevy, for one, has built in |
+//! | area lights without shadows, or on a GPU | linearly transformed cosines, which Bevy, for one, has built in |
 //! | soft diffuse light from probes | harmonics of two bands in a shader; this crate can make their coefficients |
 //! | global illumination, or a reference for it | Mitsuba 3 or pbrt: here is light at vertices, reflected n times at most |
 //! | wavelets other than Haar's, any size | PyWavelets; to its layout and back: [`haar::to_pywavelets_2d`] |
@@ -139,6 +139,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! | nothing: one view, or all is diffuse | `wavelet_double::Relighter` | a sparse matrix times the light's few terms |
 //! | view and materials | `block_product::Relighter` | error by a tolerance, diffuse surfaces exact |
 //! | the same, by the method of Ng 2004 | `wavelet_triple::Relighter` | slower; exact with all terms kept |
+//! | lamps near the scene that move and are painted | `near_field::Relighter` | exact on the cells of a face that sees most of the hemisphere |
 //! | a method of your own | `scene::GroundTruth`, `scene::Comparison` | the right answer, and how far from it you are |
 //!
 //! # Conventions
@@ -238,6 +239,9 @@ mod pages {
     struct Dct;
     #[doc = include_str!("../docs/haar.md")]
     struct Haar;
+    #[cfg(feature = "near_field")]
+    #[doc = include_str!("../docs/near_field.md")]
+    struct NearField;
     #[doc = include_str!("../docs/numeric.md")]
     struct Numeric;
     #[cfg(feature = "io")]

@@ -7,13 +7,14 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use haarmonic::backend::near_field as near;
 use haarmonic::backend::wavelet_double as double;
 use haarmonic::backend::wavelet_triple::{self as triple, Slices};
 use haarmonic::haar::{Keep, Weighting};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    EnvironmentLight, GroundTruth, Materials, Phong, Procedural, Sky, TexelVisibility, View, VisibilityBaker,
-    VisibilitySettings,
+    EnvironmentLight, GroundTruth, Materials, Mesh, Occluders, Phong, Procedural, Sky, TexelVisibility, View,
+    VisibilityBaker, VisibilitySettings,
 };
 use haarmonic::sh::{
     CubeProjection, CubeReconstruction, LatLongProjection, LatLongReconstruction, TexelRule, monte_carlo,
@@ -52,8 +53,8 @@ fn harmonics() -> u64 {
     hash(all)
 }
 
-/// Light, visibility, ground truth, double product, triple product sampled and tabulated, harmonics.
-fn hashes() -> [u64; 7] {
+/// Light, visibility, ground truth, double product, triple product sampled and tabulated, harmonics, near light.
+fn hashes() -> [u64; 8] {
     let model = Procedural::TorusKnotOnFloor.build(1000).unwrap();
     let grid = CubeGrid::new(16).unwrap();
     let materials = Materials::uniform(Phong::new([0.7, 0.5, 0.3], 15.0).unwrap());
@@ -91,7 +92,29 @@ fn hashes() -> [u64; 7] {
         triple[0],
         triple[1],
         harmonics(),
+        near_light(&model.mesh, &materials, &view),
     ]
+}
+
+/// A turned lamp near the scene by wavelets and by pixels, and the gradient in it.
+fn near_light(mesh: &Mesh, materials: &Materials, view: &View) -> u64 {
+    let settings = near::BakeSettings { cells: 8, samples: 2, ..near::BakeSettings::default() };
+    let transport = near::Transport::bake(mesh, Occluders::of_mesh(mesh), view, materials, settings, &()).unwrap();
+    let texture = (0..16).map(|i| Vector3::new(i as f32, 1.0, 0.1 * i as f32)).collect();
+    let lamp = near::PlanarLight::new(Vector3::new(0.3, 3.0, 0.1), [2.0, 1.0], 4, texture).unwrap();
+    let lamp = lamp.with_rotation(0.4).unwrap();
+    let mut all = Vec::new();
+    for route in [near::Route::Couplings, near::Route::Pixels] {
+        let settings = near::Settings { source_side: 8, route, ..near::Settings::default() };
+        let mut relighter = near::Relighter::new(&transport, settings).unwrap();
+        relighter.set_lights(std::slice::from_ref(&lamp)).unwrap();
+        let mut out = vec![Vector3::zeros(); mesh.positions().len()];
+        relighter.relight(&mut out);
+        let gradient = relighter.gradient(0, &lamp, &out).unwrap();
+        all.push(bits(&out));
+        all.extend(gradient.centre.iter().chain(&gradient.size).map(|x| x.to_bits()));
+    }
+    hash(all)
 }
 
 /// Where the build with threads leaves its hashes for the build without.

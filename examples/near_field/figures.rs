@@ -196,9 +196,9 @@ fn rates(args: &Args, results: &mut Vec<Value>) -> Result<(), Failure> {
         let transport = Transport::bake(mesh, Arc::new(Occluders::of_mesh(mesh)), &view, &materials, settings, &bar)?;
         let bake_s = bar.finish();
         let bounds = mesh.bounds();
-        let centre = bounds.centre().cast::<f64>();
+        let centre = bounds.centre();
         let (width, texels) = texture("window")?;
-        let size = f64::from(bounds.size().y);
+        let size = bounds.size().y;
         let light = PlanarLight::new(centre + Vector3::y() * size, [1.5 * size; 2], width, texels)?;
         let threads: Vec<usize> = (1..=rayon::current_num_threads()).collect();
         let mut frames: Vec<Vec<Vector3<f32>>> = vec![];

@@ -102,7 +102,7 @@ pub fn run(args: &Args, scene: &Scene) -> Result<(), Failure> {
     let (found, took) = seconds(|| descend(&mut loss, start));
     let (found, losses) = found?;
     let light = loss.light(&found)?;
-    let size = f64::from(scene.mesh.bounds().size().norm());
+    let size = scene.mesh.bounds().size().norm();
     let off = (light.centre() - hidden.centre()).norm() / size;
     let sizes = [0, 1].map(|k| (light.size()[k] - hidden.size()[k]).abs() / size);
     let row = |name: &str, light: &PlanarLight| {

@@ -50,8 +50,8 @@ impl Scene {
             }
         };
         let bounds = mesh.bounds();
-        let (centre, half) = (bounds.centre().cast::<f64>(), 0.5 * f64::from(bounds.size().y));
-        let radius = f64::from(bounds.radius()).min(3.0 * half.max(1e-9));
+        let (centre, half) = (bounds.centre(), 0.5 * bounds.size().y);
+        let radius = bounds.radius().min(3.0 * half.max(1e-9));
         let (size, height, travel) = args.lamp(centre.y - half, centre.y + half, radius);
         let (width, texture) = texture(&args.texture)?;
         let turn = args.rotate.to_radians();

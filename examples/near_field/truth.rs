@@ -98,7 +98,7 @@ pub fn as_if_distant(scene: &Scene, lights: &[PlanarLight]) -> Result<Vec<Vector
     const FINE: usize = 4;
     let grid = CubeGrid::new(32)?;
     let frame = BakeSettings::default().frame;
-    let middle = scene.mesh.bounds().centre().cast::<f64>();
+    let middle = scene.mesh.bounds().centre();
     let seen = |direction: &Vector3<f64>| -> Vector3<f64> {
         let local = frame.to_local(direction);
         if local.z <= 0.0 {

@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | `wavelet_double` | Ng 2003: sparse light × transport | visibility × reflectance, in wavelets | light |
 //! | `wavelet_triple` | Ng 2004: light × visibility × reflectance | visibility, a bit a texel | light, view, materials |
+//! | `near_field` | Sun 2008: planar lights near the scene | visibility × reflectance on top faces, in wavelets | lights: place, size, angle, texture; the view, if it was left free |
 //! | `block_product` | Inger 2013: locally adaptive products | visibility, coded in blocks | light, view, materials |
 //!
 //! Every method has the same words and the same life. A `Transport` holds what was precomputed of a static scene. It is
@@ -18,7 +19,7 @@
 //! nothing as long as the materials stay the same; `set_light` may allocate.
 //!
 //! [`DistantRelighter`] is what methods for distant light per vertex have in common: hold them as `dyn` to swap one for
-//! another.
+//! another. Near light is not of that kind: it has relighters of its own, with the same verbs.
 
 #[cfg(feature = "block_product")]
 pub mod block_product;

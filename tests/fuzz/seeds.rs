@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use exr::prelude::{Blocks, SampleType, Vec2};
-use haarmonic::backend::{block_product, wavelet_double, wavelet_triple};
+use haarmonic::backend::{block_product, near_field, wavelet_double, wavelet_triple};
 use haarmonic::compress::{
     BiclusterSettings, Biclustering, ByteBlocks, ClusteredPca, ClusteredPcaSettings, CodedBinaryMaps, CodedGrayMaps,
     Pca, PcaSettings, QuantisedBytes, QuantisedHalf, ScanOrder, SparseMatrix,
@@ -14,7 +14,7 @@ use haarmonic::compress::{
 use haarmonic::io::{Image, encode_exr, encode_hdr, encode_ply, encode_png_srgb8};
 use haarmonic::nalgebra::Vector3;
 use haarmonic::scene::{
-    BinaryVisibility, Brdf, Lambert, Materials, Mesh, Phong, View, VisibilityBaker, VisibilitySettings,
+    BinaryVisibility, Brdf, Lambert, Materials, Mesh, Occluders, Phong, View, VisibilityBaker, VisibilitySettings,
 };
 use haarmonic::sphere::CubeGrid;
 use haarmonic::store::Stored;
@@ -329,6 +329,16 @@ fn stored() {
         let transport = wavelet_double::Transport::bake(&mesh, &bake(4), &view, &materials, settings, &());
         put(name, NARROW, &transport.unwrap());
     }
+    let small = near_field::BakeSettings { cells: 4, samples: 1, tolerance: 0.2, ..Default::default() };
+    let occluders = Arc::new(Occluders::of_mesh(&mesh));
+    for (name, precision) in [("near_32", near_field::Precision::Full), ("near_16", near_field::Precision::Bits16)] {
+        let settings = near_field::BakeSettings { precision, ..small };
+        let transport = near_field::Transport::bake(&mesh, occluders.clone(), &view, &materials, settings, &());
+        put(name, NARROW, &transport.unwrap());
+    }
+    let factors = near_field::ViewFactors { cells: 2, terms: 2 };
+    let free = near_field::Transport::bake_view_free(&mesh, occluders, &materials, factors, small, &());
+    put("near_free", NARROW, &free.unwrap());
     put("triple", NARROW, &wavelet_triple::Transport::from_binary(bake(8)).unwrap());
     for (name, side, order) in [("block_8", 8, ScanOrder::Serpentine), ("block_32", 32, ScanOrder::Hilbert)] {
         let layout = block_product::BlockLayout::new(CubeGrid::new(side).unwrap(), side, order).unwrap();

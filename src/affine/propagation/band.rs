@@ -55,7 +55,9 @@ impl<T: Real> Band<T> {
             let lower_end = if s > 0.0 { k } else { k + 1 };
             self.base[k] = (image_cell(s, lower_end as f64, o) - margin as f64).clamp(0.0, room) as u32;
         }
-        let edge = |m: f64| (m - o) / s;
+        // In f32 the rounding of the reciprocal does not show.
+        let (is_short, inverse) = (size_of::<T>() == 4, 1.0 / s);
+        let edge = |m: f64| if is_short { (m - o) * inverse } else { (m - o) / s };
         for k in self.active.clone() {
             let (base, k0) = (f64::from(self.base[k]), k as f64);
             let row = &mut self.weight[k * self.count..][..self.count];
@@ -128,15 +130,29 @@ impl<T: Real> Band<T> {
         src: &[T],
         dst: &mut [T],
     ) {
-        let part = |row: usize| row * width + columns.start..row * width + columns.end;
-        rows.for_each(|row| dst[part(row)].fill(T::zero()));
-        for k in self.active.clone() {
-            let row = &src[part(k)];
-            for q in 0..self.count {
-                let w = self.weight[k * self.count + q];
-                for (sum, &x) in dst[part(self.base[k] as usize + q)].iter_mut().zip(row) {
-                    *sum += w * x;
-                }
+        // By source cell, so that sums stay in registers: the target cells that reach it follow one another.
+        let rises = self.base[self.active.start] <= self.base[self.active.end - 1];
+        let (mut first, mut end) = (self.active.start, self.active.start);
+        for place in 0..rows.len() {
+            let row = if rises { rows.start + place } else { rows.end - 1 - place };
+            let reaches = |k: usize| (self.base[k] as usize..self.base[k] as usize + self.count).contains(&row);
+            let is_past = |k: usize| match rises {
+                true => self.base[k] as usize + self.count <= row,
+                false => self.base[k] as usize > row,
+            };
+            while first < self.active.end && is_past(first) {
+                first += 1;
+            }
+            end = end.max(first);
+            while end < self.active.end && reaches(end) {
+                end += 1;
+            }
+            let sources = (first..end).map(|k| (self.weight[k * self.count + row - self.base[k] as usize], k * width));
+            let out = &mut dst[row * width..][columns.clone()];
+            match columns.len() {
+                n if n.is_multiple_of(16) => sum_rows::<T, 16>(sources, columns.start, src, out),
+                n if n.is_multiple_of(8) => sum_rows::<T, 8>(sources, columns.start, src, out),
+                _ => sum_rows::<T, 1>(sources, columns.start, src, out),
             }
         }
     }
@@ -205,6 +221,26 @@ fn overlap_slope(ends: [f64; 2], velocities: [f64; 2], k: f64) -> f64 {
         if inside { v } else { 0.0 }
     };
     if ends[0] <= ends[1] { moves(1) - moves(0) } else { moves(0) - moves(1) }
+}
+
+/// out = Σ weight · src[start + column…], LANES columns at a time.
+#[inline(always)]
+fn sum_rows<T: Real, const LANES: usize>(
+    sources: impl Iterator<Item = (T, usize)> + Clone,
+    column: usize,
+    src: &[T],
+    out: &mut [T],
+) {
+    for (i, out) in out.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+        let mut sum = [T::zero(); LANES];
+        for (w, start) in sources.clone() {
+            let row = &src[start + column + i * LANES..].as_chunks::<LANES>().0[0];
+            for x in 0..LANES {
+                sum[x] += w * row[x];
+            }
+        }
+        *out = sum;
+    }
 }
 
 #[inline(always)]

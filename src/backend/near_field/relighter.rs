@@ -11,7 +11,7 @@ use super::tables::{Couplings, TableScratch};
 use super::transport::Transport;
 use crate::affine::{AffineMap, MapGrid, PixelOperator, Prediction, PropagationRoute, PropagationScratch, Targets};
 use crate::error::check_length;
-use crate::haar::Decomposition;
+use crate::haar::{Decomposition, Transform2d};
 use crate::scene::View;
 use crate::{Error, Result, parallel};
 
@@ -202,7 +202,7 @@ impl<'a> Relighter<'a> {
                 let wo = view.map_or(Vector3::z(), |view| free.frame(vertex).to_local(&view.wo(&positions[vertex])));
                 factored.outgoing_terms(&wo, &mut outgoing[..factored.terms()]);
                 let terms = &rows.term[rows.of(vertex)];
-                out.iter_mut().zip(terms).for_each(|(out, &term)| *out = outgoing[usize::from(term)] as f32);
+                out.iter_mut().zip(terms).for_each(|(out, &term)| *out = clamp(outgoing[usize::from(term)]));
             },
         );
     }
@@ -236,10 +236,14 @@ impl<'a> Relighter<'a> {
             let mut add = |row: usize, integral: [f32; 3]| {
                 let view = self.view.get(row).copied().unwrap_or(1.0);
                 let weight = self.transport.rows.weight[row];
-                (0..3).for_each(|c| sum[c] += f64::from(view * weight[c] * integral[c]) * factor);
+                let view = f64::from(view) * factor;
+                (0..3).for_each(|c| sum[c] += f64::from(weight[c]) * f64::from(integral[c]) * view);
             };
             match (route, &self.pixels) {
-                (Route::Pixels, Some(pixels)) => meet_in_pixels(light, maps, rows.clone(), pixels, memory, &mut add),
+                (Route::Pixels, Some(pixels)) => {
+                    let pixels = (pixels, &self.transport.rows.weight[..]);
+                    meet_in_pixels(light, maps, rows.clone(), pixels, memory, &mut add);
+                }
                 _ => {
                     self.carry(light, route, vertex, maps, memory);
                     for row in rows.clone() {
@@ -252,6 +256,41 @@ impl<'a> Relighter<'a> {
                     }
                     memory.chosen.iter().for_each(|&k| memory.dense[k as usize] = [0.0; 4]);
                 }
+            }
+        }
+        if !sum.iter().all(|x| x.is_finite()) {
+            return self.wide_vertex(vertex);
+        }
+        sum.map(clamp).into()
+    }
+
+    /// As [`vertex`](Self::vertex), in `f64` and with all targets, where sums leave the range of `f32` on the way: by
+    /// numbers that no measured reflectance has.
+    #[cold]
+    fn wide_vertex(&self, vertex: usize) -> Vector3<f32> {
+        let (side, cells) = (self.settings.source_side, self.transport.face.cells());
+        let sizes = "the relighter has checked the sides";
+        let mut operator = PixelOperator::<f64>::new(side, cells).expect(sizes);
+        let transform = Transform2d::<f64>::new(cells, cells, Decomposition::Standard).expect(sizes);
+        let (rows, position) = (&self.transport.rows, self.transport.positions[vertex].cast());
+        let mut work = vec![0.0; transform.scratch_len()];
+        let (mut image, mut columns) = (vec![0.0; cells * cells], vec![0.0; cells * cells]);
+        let mut sum = [0.0; 3];
+        for light in &self.lights {
+            let Some(maps) = light.maps(&position) else { continue };
+            operator.set(maps);
+            let source = light.pixels().map(|plane| plane.iter().map(|&x| f64::from(x)).collect::<Vec<_>>());
+            for row in rows.of(vertex) {
+                image.fill(0.0);
+                rows.for_each(row, |i, value| image[i] = f64::from(value));
+                transform.inverse_in_place(&mut image, &mut work);
+                for (i, out) in columns.iter_mut().enumerate() {
+                    let share = light.profile().get(i).copied().map_or(1.0, f64::from);
+                    *out = image[i % cells * cells + i / cells] * share / (cells * cells) as f64;
+                }
+                let integral = operator.inner_products(source.each_ref().map(Vec::as_slice), &columns);
+                let view = f64::from(self.view.get(row).copied().unwrap_or(1.0)) * light.factor();
+                (0..3).for_each(|c| sum[c] += f64::from(rows.weight[row][c]) * integral[c] * view);
             }
         }
         sum.map(clamp).into()
@@ -341,7 +380,7 @@ fn meet_in_pixels(
     light: &IncidentLight,
     maps: [AffineMap; 2],
     rows: std::ops::Range<usize>,
-    pixels: &PixelRows,
+    (pixels, weights): (&PixelRows, &[[f32; 3]]),
     memory: &mut Memory,
     add: &mut impl FnMut(usize, [f32; 3]),
 ) {
@@ -358,7 +397,16 @@ fn meet_in_pixels(
                 image.iter_mut().zip(transport).zip(profile).for_each(|((out, t), p)| *out = t * p);
                 &*image
             };
-            add(row, operator.inner_products(source, shaped));
+            add(
+                row,
+                match only_channel(weights[row]) {
+                    Some(c) => {
+                        let [integral] = operator.inner_products([source[c]], shaped);
+                        std::array::from_fn(|k| if k == c { integral } else { 0.0 })
+                    }
+                    None => operator.inner_products(source, shaped),
+                },
+            );
         }
         return;
     }
@@ -372,6 +420,16 @@ fn meet_in_pixels(
     for row in rows {
         let transport = pixels.of(row);
         add(row, [0, 1, 2].map(|c| dot(transport, &planes[c * area..][..area])));
+    }
+}
+
+/// The only channel that a row adds to.
+fn only_channel(weight: [f32; 3]) -> Option<usize> {
+    match weight.map(|w| w != 0.0) {
+        [true, false, false] => Some(0),
+        [false, true, false] => Some(1),
+        [false, false, true] => Some(2),
+        _ => None,
     }
 }
 

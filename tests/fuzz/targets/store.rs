@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use haarmonic::backend::{DistantRelighter, block_product, wavelet_double, wavelet_triple};
+use haarmonic::backend::{DistantRelighter, block_product, near_field, wavelet_double, wavelet_triple};
 use haarmonic::compress::{
     Biclustering, ClusteredPca, CodedBinaryMaps, CodedGrayMaps, MapIndex, Pca, QuantisedBytes, QuantisedHalf,
 };
@@ -51,6 +51,7 @@ pub fn store(data: &[u8]) {
         (Kind::QuantisedBytes, _) => read(&file, quantised_bytes::<f32>),
         (Kind::WaveletDouble, _) => read(&file, double),
         (Kind::WaveletTriple, _) => read(&file, triple),
+        (Kind::NearField, _) => read(&file, near),
         // The largest cube maps have layouts of 50 MB.
         (Kind::BlockProduct, _) if number(&file, 30).is_some_and(|side| (65..=1024).contains(&side)) => {}
         (Kind::BlockProduct, _) => read(&file, block),
@@ -66,9 +67,9 @@ fn number(file: &[u8], at: usize) -> Option<u64> {
 
 /// Writes into the head of every section where the next one begins, as its tag shows.
 fn mend_lengths(file: &mut [u8]) {
-    const TAGS: [&[u8; 4]; 14] = [
+    const TAGS: [&[u8; 4]; 17] = [
         b"SIZE", b"DATA", b"ROWS", b"COLS", b"BASE", b"DIST", b"BITS", b"CODE", b"BLOK", b"WORD", b"MAPS", b"PART",
-        b"PATH", b"END.",
+        b"PATH", b"FACE", b"POSN", b"FREE", b"END.",
     ];
     let mut at = HEADER;
     while at + 12 <= file.len() {
@@ -212,6 +213,27 @@ fn double(transport: &wavelet_double::Transport) {
     let settings = wavelet_double::Settings { light_terms: Keep::Fraction(1.0), ..Default::default() };
     let relighter = wavelet_double::Relighter::new(transport, settings).expect("the settings are good");
     relight(relighter, transport.view().copied());
+}
+
+fn near(transport: &near_field::Transport) {
+    assert!(transport.stats().vertices == transport.vertices());
+    if transport.face().cells() > 16 || transport.vertices() > LONG {
+        return;
+    }
+    let lamp = near_field::PlanarLight::uniform(Vector3::new(0.3, 4.0, 0.2), [2.0, 1.0], Vector3::repeat(1.0));
+    let lamp = lamp.expect("the lamp is good").with_rotation(0.3).expect("the angle is one");
+    for route in [near_field::Route::Couplings, near_field::Route::Pixels] {
+        let settings = near_field::Settings { source_side: 8, route, ..Default::default() };
+        let mut relighter = near_field::Relighter::new(transport, settings).expect("the settings are good");
+        relighter.set_lights(std::slice::from_ref(&lamp)).expect("the lamp is good");
+        if transport.is_view_free() {
+            let view = View::eye(Vector3::new(1.0, 2.0, 3.0)).expect("an eye");
+            relighter.set_view(&view).expect("the view is free");
+        }
+        let mut out = vec![Vector3::repeat(f32::NAN); transport.vertices()];
+        relighter.relight(&mut out);
+        assert!(out.iter().all(|l| l.iter().all(|c| c.is_finite())));
+    }
 }
 
 fn triple(transport: &wavelet_triple::Transport) {
