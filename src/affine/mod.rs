@@ -57,6 +57,7 @@ mod canonical;
 mod coupling;
 pub(crate) mod exact_sum;
 mod grid;
+mod image;
 mod light_field;
 mod map;
 mod met;
@@ -80,6 +81,7 @@ pub use coupling::{
     coupling_gradient_standard, coupling_nonstandard, coupling_standard,
 };
 pub use grid::{MapGrid, NearestMap};
+pub use image::{ImageLevels, ImageRoute, Kernel, WaveletImage, Window, Zoom, ZoomLevels, ZoomScratch, ZoomTargets};
 pub use light_field::{LightField, LightFieldTerm};
 pub use map::{AffineMap, Parameter};
 pub use operator_1d::{Operator1d, apply_map_1d};

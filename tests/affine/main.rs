@@ -6,6 +6,7 @@ mod canonical;
 mod coupling;
 mod exactness;
 mod frames;
+mod image;
 mod product;
 mod propagation;
 mod reference;
