@@ -4,7 +4,7 @@ use super::kernel::Kernel;
 use super::pixels::AxisWeights;
 use super::route::ImageRoute;
 use super::wavelet_image::WaveletImage;
-use super::zoom::ZoomScratch;
+use super::zoom::{ZoomScratch, result_cost};
 use crate::Real;
 
 impl<T: Real, const C: usize> WaveletImage<T, C> {
@@ -33,12 +33,14 @@ impl<T: Real, const C: usize> WaveletImage<T, C> {
     pub fn convolve(&self, kernels: [&Kernel; 2]) -> Self {
         let mut scratch = self.couple(kernels);
         let grid = self.grid();
-        let [first, second] = scratch.products(self, grid[0]).map(|count| count as f64);
         let taps: usize = kernels.iter().map(|kernel| kernel.taps().len()).sum();
-        // In nanoseconds of one core (Zen 5); only their ratio matters.
-        let wavelets = (first + second) * (0.5 + 0.3 * C as f64);
-        let pixels = (grid[0] * grid[1] * C) as f64 * (2.5 + 0.1 * taps as f64);
-        if wavelets <= pixels { self.convolve_wavelets(&mut scratch) } else { self.convolve_pixels(kernels) }
+        // As the estimate of the passes: in nanoseconds.
+        let pixels = (grid[0] * grid[1] * C) as f64 * (2.5 + 0.1 * taps as f64) + result_cost(grid[0] * grid[1]);
+        if scratch.cost(self, grid) <= pixels {
+            self.convolve_wavelets(&mut scratch)
+        } else {
+            self.convolve_pixels(kernels)
+        }
     }
 
     /// As [`convolve`](Self::convolve), by a given route.

@@ -97,10 +97,10 @@ impl Zoom<'_> {
     ///
     /// # Example
     /// ```
-    /// use haarmonic::affine::{WaveletImage, Window, Zoom};
+    /// use haarmonic::affine::{WaveletImage, ZoomWindow, Zoom};
     /// use haarmonic::haar::Keep;
     /// let image = WaveletImage::from_pixels([4, 1], [&[1.0, 3.0, 4.0, 8.0]], Keep::Fraction(1.0))?;
-    /// let zoom = Zoom::new(Window::new([0.75, 0.5], [2.0, 1.0])?, [4, 1], [4, 1])?;
+    /// let zoom = Zoom::new(ZoomWindow::new([0.75, 0.5], [2.0, 1.0])?, [4, 1], [4, 1])?;
     /// let steps: Vec<_> = zoom.levels(&image).collect();
     /// assert_eq!(steps.iter().map(|step| step.terms()).collect::<Vec<_>>(), [1, 1, 0]);
     /// assert_eq!(steps[0].plus(&steps[1])?, zoom.apply(&image)?);

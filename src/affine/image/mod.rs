@@ -23,5 +23,5 @@ pub use kernel::Kernel;
 pub use levels::{ImageLevels, ZoomLevels};
 pub use route::ImageRoute;
 pub use wavelet_image::WaveletImage;
-pub use window::Window;
+pub use window::ZoomWindow;
 pub use zoom::{Zoom, ZoomScratch, ZoomTargets};

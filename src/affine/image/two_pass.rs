@@ -142,7 +142,7 @@ impl<T: Real, const C: usize> WithSimd for First<'_, T, C> {
                 to.sums.fill([T::zero(); C]);
                 to.bits.fill(0);
             } else {
-                take_bits(&mut to.bits, 0..grid[0], |k| {
+                take_bits(&mut to.bits, |k| {
                     to.index.push(k as u32);
                     to.value.push(std::mem::replace(&mut to.sums[k], [T::zero(); C]));
                 });
@@ -221,30 +221,28 @@ impl<T: Real, const C: usize> WithSimd for Second<'_, T, C> {
                 }
             }
             let row = (k2 << log_across) as u32;
+            // Columns that are there but not asked for have the sum 0, which is not pushed.
             match listed {
-                None => take_bits(bits, across.clone(), |k| {
+                None => take_bits(bits, |k| {
                     out.push(row + k as u32, std::mem::replace(&mut sums[k], [T::zero(); C]));
                 }),
                 Some(listed) => {
                     listed.iter().for_each(|&i| out.push(i, sums[(i - row) as usize]));
-                    take_bits(bits, across.clone(), |k| sums[k] = [T::zero(); C]);
+                    take_bits(bits, |k| sums[k] = [T::zero(); C]);
                 }
             }
         }
     }
 }
 
-/// Visits the bits that are set and in a range, ascending, and clears all.
+/// Visits the bits that are set, ascending, and clears them.
 #[inline(always)]
-fn take_bits(bits: &mut [u64], range: Range<usize>, mut visit: impl FnMut(usize)) {
+fn take_bits(bits: &mut [u64], mut visit: impl FnMut(usize)) {
     for (at, word) in bits.iter_mut().enumerate() {
         let mut left = std::mem::take(word);
         while left != 0 {
-            let k = 64 * at + left.trailing_zeros() as usize;
+            visit(64 * at + left.trailing_zeros() as usize);
             left &= left - 1;
-            if range.contains(&k) {
-                visit(k);
-            }
         }
     }
 }

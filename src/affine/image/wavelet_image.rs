@@ -17,12 +17,12 @@ use crate::{Error, Real, Result};
 ///
 /// # Example
 /// ```
-/// use haarmonic::affine::{WaveletImage, Window};
+/// use haarmonic::affine::{WaveletImage, ZoomWindow};
 /// use haarmonic::haar::Keep;
 /// // 4 × 2 pixels; the window is the middle half of both axes, at 2 × 2 pixels.
 /// let pixels = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 /// let image = WaveletImage::from_pixels([4, 2], [&pixels], Keep::Fraction(1.0))?;
-/// let zoom = image.zoom(Window::new([0.5, 0.5], [2.0, 2.0])?, [2, 2])?;
+/// let zoom = image.zoom(ZoomWindow::new([0.5, 0.5], [2.0, 2.0])?, [2, 2])?;
 /// assert_eq!(zoom.to_pixels(), [[2.0, 3.0, 6.0, 7.0]]);
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
@@ -290,6 +290,9 @@ impl<T: Real, const C: usize> WaveletImage<T, C> {
     pub fn kept(&self, keep: Keep) -> Result<Self> {
         keep.check()?;
         let [across, down] = self.grid();
+        if keep.of(across * down) >= self.terms() {
+            return Ok(self.clone());
+        }
         // Ranked among themselves: the list is as long as there are terms, and the mean, where it is one, the first.
         let scaling = if self.indices.first() == Some(&0) { ScalingTerms::Always } else { ScalingTerms::Compete };
         let planes: [Vec<T>; C] = std::array::from_fn(|c| self.values.iter().map(|value| value[c]).collect());

@@ -12,19 +12,19 @@ use crate::approx_eq::approx_by_parts;
 ///
 /// # Example
 /// ```
-/// use haarmonic::affine::Window;
-/// let window = Window::new([0.5, 0.25], [4.0, 2.0])?; // a quarter as wide, half as high
+/// use haarmonic::affine::ZoomWindow;
+/// let window = ZoomWindow::new([0.5, 0.25], [4.0, 2.0])?; // a quarter as wide, half as high
 /// assert_eq!(window.maps().map(|map| [map.offset(), map.apply(1.0)]), [[0.375, 0.625], [0.0, 0.5]]);
 /// assert_eq!(window.moved([1.0, 0.0])?.centre(), [0.75, 0.25]); // one window to the right
 /// # Ok::<(), haarmonic::Error>(())
 /// ```
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Window {
+pub struct ZoomWindow {
     maps: [AffineMap; 2],
 }
 
-impl Window {
+impl ZoomWindow {
     /// The whole picture.
     pub const WHOLE: Self = Self { maps: [AffineMap::IDENTITY; 2] };
 
@@ -98,13 +98,13 @@ impl Window {
     }
 }
 
-impl Default for Window {
+impl Default for ZoomWindow {
     fn default() -> Self {
         Self::WHOLE
     }
 }
 
 approx_by_parts!(
-    [] Window, f64,
+    [] ZoomWindow, f64,
     |w| close [w.maps.map(AffineMap::scale), w.maps.map(AffineMap::offset)] same []
 );

@@ -7,7 +7,7 @@ use super::pixels::{AxisWeights, Resample, plane_len};
 use super::route::ImageRoute;
 use super::two_pass::TwoPass;
 use super::wavelet_image::{WaveletImage, grid_of};
-use super::window::Window;
+use super::window::ZoomWindow;
 use crate::affine::AffineMap;
 use crate::affine::propagation::band::{Band, Weights};
 use crate::haar::Keep;
@@ -36,7 +36,7 @@ pub enum ZoomTargets<'a> {
 /// is never decompressed, and memory and time grow with the terms that there are. F is 0 beyond its grid. The result is
 /// the L² projection of the zoomed picture on its own pixels: exact area averages, whether it is enlarged or made
 /// smaller. Projections do not chain: zoom with the composed window ([`AffineMap::then`]) instead of zooming twice,
-/// unless the first window enlarges by a power of two and is [`snapped`](Window::snapped).
+/// unless the first window enlarges by a power of two and is [`snapped`](ZoomWindow::snapped).
 ///
 /// Accuracy: a few ε of max |F|.
 /// Cost: where the terms are too many, pixels are cheaper ([`route`](Self::route)); docs/wavelet_image.md has
@@ -44,10 +44,10 @@ pub enum ZoomTargets<'a> {
 ///
 /// # Example
 /// ```
-/// use haarmonic::affine::{WaveletImage, Window, Zoom, ZoomTargets};
+/// use haarmonic::affine::{WaveletImage, ZoomWindow, Zoom, ZoomTargets};
 /// use haarmonic::haar::Keep;
 /// let image = WaveletImage::from_pixels([2, 2], [&[0.0, 4.0, 0.0, 8.0]], Keep::Fraction(1.0))?;
-/// let right_half = Window::new([0.75, 0.5], [2.0, 1.0])?;
+/// let right_half = ZoomWindow::new([0.75, 0.5], [2.0, 1.0])?;
 /// let zoom = Zoom::new(right_half, [2, 2], [2, 2])?;
 /// assert_eq!(zoom.apply(&image)?.to_pixels(), [[4.0, 4.0, 8.0, 8.0]]);
 /// let mean = zoom.with_targets(ZoomTargets::Largest(Keep::Terms(1))).apply(&image)?;
@@ -99,11 +99,15 @@ impl<T: Real, const C: usize> ZoomScratch<T, C> {
         }
     }
 
-    /// The products of the first pass, and at most as many as the second will make, of the couplings that are set.
-    pub(super) fn products(&self, image: &WaveletImage<T, C>, across: usize) -> [usize; 2] {
-        let (log, mask) = (image.grid()[0].ilog2(), image.grid()[0] as u32 - 1);
+    /// What the two passes cost with the couplings that are set, in nanoseconds of one core (Zen 5); only ratios matter.
+    ///
+    /// An upper bound: terms of a row that meet the same columns are counted apart.
+    pub(super) fn cost(&self, image: &WaveletImage<T, C>, grid: [usize; 2]) -> f64 {
+        let (log, mask, channels) = (image.grid()[0].ilog2(), image.grid()[0] as u32 - 1, C as f64);
         let [x, y] = &self.couplings;
-        let (mut products, mut begin) = ([0; 2], 0);
+        let entry = 0.5 + 0.3 * channels;
+        let whole = 0.15 * channels * grid[0] as f64;
+        let (mut passes, mut results, mut begin) = (0.0, 0, 0);
         while begin < image.indices.len() {
             let row = image.indices[begin] >> log;
             let mut met = 0;
@@ -111,12 +115,14 @@ impl<T: Real, const C: usize> ZoomScratch<T, C> {
                 met += x.count((image.indices[begin] & mask) as usize);
                 begin += 1;
             }
-            if y.count(row as usize) > 0 {
-                products[0] += met;
-                products[1] += met.min(across) * y.count(row as usize);
+            let reached = y.count(row as usize);
+            if reached > 0 {
+                let (met, reached) = (met as f64, reached as f64);
+                passes += entry * met + reached * whole.min(entry * met);
             }
+            results += reached * met.min(grid[0]);
         }
-        products
+        passes + result_cost(results.min(grid[0] * grid[1]))
     }
 
     /// Each channel by way of pixels: `each(c, coefficients)`.
@@ -147,13 +153,18 @@ impl<T: Real, const C: usize> Default for ZoomScratch<T, C> {
     }
 }
 
+/// Of so many terms that are written.
+pub(super) fn result_cost(terms: usize) -> f64 {
+    2.5 * terms as f64
+}
+
 impl<'a> Zoom<'a> {
     /// A plan for pictures of `from` = [width, height] pixels, whose window is shown at `size` pixels.
     ///
     /// # Errors
     /// [`Error::Empty`] if a side is 0; [`Error::OutOfRange`] above a side of 32768, and where a map between the grids
     /// leaves the range of an [`AffineMap`].
-    pub fn new(window: Window, from: [usize; 2], size: [usize; 2]) -> Result<Self> {
+    pub fn new(window: ZoomWindow, from: [usize; 2], size: [usize; 2]) -> Result<Self> {
         grid_of(from)?;
         grid_of(size)?;
         let maps = window.between(from, size)?;
@@ -213,12 +224,9 @@ impl<'a> Zoom<'a> {
 
     fn cheaper<T: Real, const C: usize>(&self, image: &WaveletImage<T, C>, scratch: &ZoomScratch<T, C>) -> ImageRoute {
         let (grid, from) = (self.grid(), image.grid());
-        let [first, second] = scratch.products(image, grid[0]).map(|count| count as f64);
-        // In nanoseconds of one core (Zen 5); only their ratio matters.
-        let channels = C as f64;
-        let wavelets = (first + second) * (0.5 + 0.3 * channels);
-        let pixels = (from[0] * from[1] + 2 * from[0] * grid[1] + 2 * grid[0] * grid[1]) as f64 * 0.5 * channels;
-        if wavelets <= pixels { ImageRoute::Wavelets } else { ImageRoute::Pixels }
+        let pixels = (from[0] * from[1] + 2 * from[0] * grid[1] + 2 * grid[0] * grid[1]) as f64;
+        let pixels = 0.6 * C as f64 * pixels + result_cost(grid[0] * grid[1]);
+        if scratch.cost(image, grid) <= pixels { ImageRoute::Wavelets } else { ImageRoute::Pixels }
     }
 
     /// The window of a picture.
@@ -303,7 +311,10 @@ impl<'a> Zoom<'a> {
         scratch.passes.set(image, &scratch.couplings, grid);
         let wanted = if let ZoomTargets::At(indices) = self.targets { Some(indices) } else { None };
         scratch.passes.write([0..grid[0], 0..grid[1]], wanted, &mut out);
-        if let ZoomTargets::Largest(keep) = self.targets { out.kept(keep) } else { Ok(out) }
+        match self.targets {
+            ZoomTargets::Largest(keep) if keep.of(grid[0] * grid[1]) < out.terms() => out.kept(keep),
+            _ => Ok(out),
+        }
     }
 
     fn by_pixels<T: Real, const C: usize>(
@@ -337,7 +348,7 @@ impl<T: Real, const C: usize> WaveletImage<T, C> {
     ///
     /// # Errors
     /// As [`Zoom::new`].
-    pub fn zoom(&self, window: Window, size: [usize; 2]) -> Result<Self> {
+    pub fn zoom(&self, window: ZoomWindow, size: [usize; 2]) -> Result<Self> {
         Zoom::new(window, self.size, size)?.apply(self)
     }
 
@@ -353,16 +364,16 @@ impl<T: Real, const C: usize> WaveletImage<T, C> {
     ///
     /// # Example
     /// ```
-    /// use haarmonic::affine::{WaveletImage, Window};
+    /// use haarmonic::affine::{WaveletImage, ZoomWindow};
     /// use haarmonic::haar::Keep;
     /// let image = WaveletImage::from_pixels([4, 1], [&[1.0, 2.0, 3.0, 4.0]], Keep::Fraction(1.0))?;
     /// let half = WaveletImage::from_separable(&[1.0, 0.0], &[1.0])?;
     /// // The mean of the second and the third pixel, times ½.
-    /// let window = Window::new([0.75, 0.5], [1.0, 1.0])?;
+    /// let window = ZoomWindow::new([0.75, 0.5], [1.0, 1.0])?;
     /// assert_eq!(image.product_integral(window, &half)?, [0.5 * 2.5]);
     /// # Ok::<(), haarmonic::Error>(())
     /// ```
-    pub fn product_integral(&self, window: Window, weights: &WaveletImage<T, 1>) -> Result<[f64; C]> {
+    pub fn product_integral(&self, window: ZoomWindow, weights: &WaveletImage<T, 1>) -> Result<[f64; C]> {
         let zoom = Zoom::new(window, self.size, weights.size)?.with_targets(ZoomTargets::At(&weights.indices));
         let seen = zoom.with_route(ImageRoute::Wavelets).apply(self)?;
         let (mut sums, mut terms) = ([0.0; C], weights.indices.iter().zip(&weights.values));
