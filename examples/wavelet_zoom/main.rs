@@ -53,7 +53,8 @@ fn run(args: &Args) -> Result<(), Failure> {
     println!(
         "bands: inverse transform, exact area resampling, forward transform, selection, in vectors (ImageRoute::Pixels)"
     );
-    println!("plain: the same with bilinear samples, in loops that a program without this library would have");
+    println!("dense: as bands, but the result stays as large as an image: no list is made, and no term chosen");
+    println!("plain: as bands with bilinear samples, in loops that a program without this library would have");
     println!("PSNR: of our zoom against that of the plain method, and against the zoom of the picture with all terms");
 
     let source = args.source.unwrap_or(Keep::Fraction(0.05));

@@ -60,8 +60,8 @@ fn touching() -> impl Strategy<Value = AffineMap> {
     })
 }
 
-/// A compressed image of 1 to `max_side` pixels a side, powers of two or not, with at most `max_terms` terms of ordinary
-/// size in each of its channels; a term may be 0 in some of them.
+/// A compressed image of 1 to `max_side` pixels a side, powers of two or not, with at most `max_terms` terms of
+/// ordinary size in each of its channels; a term may be 0 in some of them.
 pub fn wavelet_image<T: Real, const C: usize>(
     max_side: usize,
     max_terms: usize,

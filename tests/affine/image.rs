@@ -239,8 +239,8 @@ fn levels_add_up_to_the_whole_and_each_is_a_coarser_picture() {
             let mut sum = WaveletImage::zero(to).unwrap();
             for (l, step) in steps.enumerate() {
                 sum = sum.plus(&step).unwrap();
-                // What has come is the zoom at as many pixels. The target's ends are rounded by ε of their place, which is
-                // 64 ε of a pixel; worst seen: 121 ε.
+                // What has come is the zoom at as many pixels. Ends are rounded by ε of their place, which is 64 ε of a
+                // pixel here; worst seen: 121 ε.
                 let coarse = to.map(|side| side.min(1 << l));
                 let want = naive::resample_between_2d(&pixels_in, from[0], coarse, window.maps());
                 let got = pixels(&sum.zoom(ZoomWindow::WHOLE, coarse).unwrap());

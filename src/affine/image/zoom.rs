@@ -99,7 +99,8 @@ impl<T: Real, const C: usize> ZoomScratch<T, C> {
         }
     }
 
-    /// What the two passes cost with the couplings that are set, in nanoseconds of one core (Zen 5); only ratios matter.
+    /// What the two passes cost with the couplings that are set, in nanoseconds of one core (Zen 5); only the ratio to
+    /// the cost of pixels matters.
     ///
     /// An upper bound: terms of a row that meet the same columns are counted apart.
     pub(super) fn cost(&self, image: &WaveletImage<T, C>, grid: [usize; 2]) -> f64 {
