@@ -120,6 +120,7 @@ assert_eq!(floats.len(), 6 * 4 * 4 * 3);
 //! | any number of sparse functions | their product or its integral | [`haar::NFoldProduct`] |
 //! | coefficients, too many | the few that matter to an integral | [`haar::Selection`], weighted by integral |
 //! | a textured lamp, thousands of places | what each of them sees of it, in wavelets | [`affine::Propagation`] |
+//! | a compressed image | it zoomed, moved, masked, blurred, still compressed | [`affine::WaveletImage`] |
 //! | a lat-long map | a cube map with the same energy | [`sphere::LatLongMap::to_cube`] |
 //! | an environment, few numbers | its harmonics and irradiance | [`sh::CubeProjection`], [`sh::Irradiance`] |
 //! | harmonics and rotations | them rotated | [`sh::Rotation`] for many vectors, [`sh::Rotator`] for many rotations |
@@ -253,4 +254,6 @@ mod pages {
     struct Sphere;
     #[doc = include_str!("../docs/table.md")]
     struct Table;
+    #[doc = include_str!("../docs/wavelet_image.md")]
+    struct WaveletImage;
 }

@@ -4,7 +4,7 @@
 use std::fmt::Debug;
 
 use approx::{AbsDiffEq, UlpsEq};
-use haarmonic::affine::{AffineMap, LightFieldTerm, ProductGradient};
+use haarmonic::affine::{AffineMap, Kernel, LightFieldTerm, ProductGradient, WaveletImage, ZoomWindow};
 use haarmonic::compress::{ClusteredPca, ClusteredPcaSettings, Distortion, Pca};
 use haarmonic::haar::{Pyramid, SparseVector};
 use haarmonic::io::Image;
@@ -70,6 +70,12 @@ fn wavelets() {
     check(|x| AffineMap::new(2.0, x).ok(), None);
     let term = |i, value| LightFieldTerm { plane: [i, 0], direction: [0, 0], value: [0.5, value] };
     check(|x| Some(term(0, x)), Some(term(1, 1.0)));
+    let image = |i, value| WaveletImage::new([2, 2], vec![0, i], vec![[0.5, 0.25], [0.5, value]]).ok();
+    check(|x| image(1, x), image(2, 1.0));
+    check(|x| image(1, x), WaveletImage::new([2, 1], vec![0, 1], vec![[0.5, 0.25], [0.5, 1.0]]).ok());
+    check(|x| Kernel::from_taps(1, &[0.5, x]).ok(), Kernel::from_taps(0, &[0.5, 1.0]).ok());
+    check(|x| Some(ZoomWindow::from_maps([AffineMap::IDENTITY, AffineMap::new(x, 0.5).ok()?])), None);
+    check(|x| Some(ZoomWindow::from_maps([AffineMap::new(2.0, x).ok()?, AffineMap::IDENTITY])), None);
     let gradient = |at: usize, x: f64| {
         let number = |k| if k == at { x } else { 0.25 };
         ProductGradient { value: [number(0)], scale: [[number(1)], [number(2)]], offset: [[number(3)], [number(4)]] }

@@ -20,7 +20,7 @@ mod serde {
 
     use ::serde::Serialize;
     use ::serde::de::DeserializeOwned;
-    use haarmonic::affine::{AffineMap, Filter};
+    use haarmonic::affine::{AffineMap, Filter, ImageRoute, Kernel, WaveletImage, ZoomWindow};
     use haarmonic::compress::{BiclusterSettings, Centre, PcaSettings, ScanOrder, Seeds};
     use haarmonic::haar::{ChannelRule, Decomposition, Keep, ScalingTerms, SparseVector};
     use haarmonic::sh::{Convention, DiffuseProbe, ExpMethod, Window};
@@ -75,6 +75,30 @@ mod serde {
         stored(&(Filter::LinearFixed(8), ScanOrder::Hilbert), json!([{ "LinearFixed": 8 }, "Hilbert"]));
         let pca = PcaSettings::new(3).with_centre(Centre::Origin);
         assert_eq!(from_value::<PcaSettings>(to_value(pca).unwrap()).unwrap(), pca);
+    }
+
+    #[test]
+    fn compressed_images() {
+        let image = WaveletImage::new([3, 2], vec![0, 5], vec![[1.0, 2.0], [0.5, 0.0]]).unwrap();
+        let value = json!({ "width": 3, "height": 2, "indices": [0, 5], "channels": [[1.0, 0.5], [2.0, 0.0]] });
+        stored(&image, value.clone());
+        refused::<WaveletImage<f64, 3>>(value.clone(), "channels of an image: expected 3");
+        let with = |key: &str, part: Value| {
+            let mut value = value.clone();
+            value[key] = part;
+            value
+        };
+        refused::<WaveletImage<f64, 2>>(with("channels", json!([[1.0, 0.5], [2.0]])), "values of a channel");
+        refused::<WaveletImage<f64, 2>>(with("indices", json!([5, 0])), "above the index before it");
+        refused::<WaveletImage<f64, 2>>(with("indices", json!([0, 8])), "below the area of the grid");
+        refused::<WaveletImage<f64, 2>>(with("width", json!(0)), "empty");
+        refused::<WaveletImage<f64, 2>>(with("height", json!(1 << 20)), "at most 32768");
+        stored(&Kernel::from_taps(-1, &[0.5, 0.25]).unwrap(), json!({ "first": -1, "taps": [0.5, 0.25] }));
+        refused::<Kernel>(json!({ "first": 0, "taps": [] }), "empty");
+        let map = json!({ "scale": 0.5, "offset": 0.25 });
+        stored(&ZoomWindow::new([0.5; 2], [2.0; 2]).unwrap(), json!({ "maps": [map, map] }));
+        refused::<ZoomWindow>(json!({ "maps": [map, { "scale": 0.0, "offset": 0.0 }] }), "not zero");
+        stored(&ImageRoute::Pixels, json!("Pixels"));
     }
 
     #[test]

@@ -25,6 +25,7 @@
 //! | memory, few (s, o) | couplings looked up | [`StoredCouplings`] |
 //! | sparse F, G, W | ∫ F(s v + o) G W dv and its gradient | [`AffineProduct1d`], [`AffineProduct2d`] |
 //! | a light field F(v₁, v₂) | its image | [`LightField`] |
+//! | a compressed image | it zoomed, streamed, mixed, masked, blurred | [`WaveletImage`], [`Zoom`], [`Kernel`] |
 //! | curiosity | the same in pixels and Fourier series | `reference::affine::pixel_basis`, `fourier_basis` |
 //!
 //! Routes of a [`Propagation`], standard basis, side 32 and 64 (measured: docs/performance.md; the crossings drift with
@@ -58,6 +59,7 @@ mod canonical;
 mod coupling;
 pub(crate) mod exact_sum;
 mod grid;
+mod image;
 mod light_field;
 mod map;
 mod met;
@@ -81,6 +83,9 @@ pub use coupling::{
     coupling_gradient_standard, coupling_nonstandard, coupling_standard,
 };
 pub use grid::{MapGrid, NearestMap};
+pub use image::{
+    ImageLevels, ImageRoute, Kernel, WaveletImage, Zoom, ZoomLevels, ZoomScratch, ZoomTargets, ZoomWindow,
+};
 pub use light_field::{LightField, LightFieldTerm};
 pub use map::{AffineMap, Parameter};
 pub use operator_1d::{Operator1d, apply_map_1d};

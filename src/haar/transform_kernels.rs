@@ -378,7 +378,7 @@ fn analyse_first_row<T: Real>(mean: &mut [T], b: &[T], detail: &mut [T], scale: 
 
 /// The inverse of [`columns_forward`]: `coefs` to `data`.
 #[inline(always)]
-pub(super) fn columns_inverse<T: Real>(levels: u32, width: usize, coefs: &[T], data: &mut [T]) {
+pub(crate) fn columns_inverse<T: Real>(levels: u32, width: usize, coefs: &[T], data: &mut [T]) {
     data[..width].copy_from_slice(&coefs[..width]);
     for level in 0..levels {
         let w = 1usize << level;

@@ -1,8 +1,10 @@
-//! Affine maps, with the edges where a transformed wavelet meets another.
+//! Affine maps, with the edges where a transformed wavelet meets another; compressed images.
 
 use proptest::prelude::*;
 
-use crate::affine::AffineMap;
+use super::haar::sparse_vector;
+use crate::Real;
+use crate::affine::{AffineMap, WaveletImage};
 
 fn map((scale, offset): (f64, f64)) -> AffineMap {
     AffineMap::new(scale, offset).expect("the strategy stays in range")
@@ -55,5 +57,22 @@ fn touching() -> impl Strategy<Value = AffineMap> {
     (signed((1..=64i32).prop_map(|m| f64::from(m) / 16.0)), any::<bool>()).prop_map(|(s, beyond)| {
         // s·[0, 1] + o begins at 1 or ends at 0.
         map((s, if beyond { 1.0 - s.min(0.0) } else { -s.max(0.0) }))
+    })
+}
+
+/// A compressed image of 1 to `max_side` pixels a side, powers of two or not, with at most `max_terms` terms of
+/// ordinary size in each of its channels; a term may be 0 in some of them.
+pub fn wavelet_image<T: Real, const C: usize>(
+    max_side: usize,
+    max_terms: usize,
+) -> impl Strategy<Value = WaveletImage<T, C>> {
+    let side = 1..=max_side.max(1);
+    (side.clone(), side).prop_flat_map(move |(width, height)| {
+        let area = width.next_power_of_two() * height.next_power_of_two();
+        let channels = proptest::collection::vec(sparse_vector(area, max_terms), C);
+        channels.prop_map(move |channels| {
+            let channels = std::array::from_fn(|c| &channels[c]);
+            WaveletImage::from_sparse([width, height], channels).expect("the vectors have the grid's area")
+        })
     })
 }

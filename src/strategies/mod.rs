@@ -15,7 +15,7 @@ mod sh;
 mod sphere;
 mod table;
 
-pub use affine::{affine_map, dyadic_map};
+pub use affine::{affine_map, dyadic_map, wavelet_image};
 #[cfg(feature = "block_product")]
 pub use backend::block_layout;
 pub use compress::{block_matrix, clustered_rows, level_map, low_rank_rows, run_map};

@@ -6,6 +6,7 @@ mod canonical;
 mod coupling;
 mod exactness;
 mod frames;
+mod image;
 mod pixel_operator;
 mod product;
 mod propagation;

@@ -14,7 +14,7 @@ use crate::affine::{AffineMap, Parameter};
 
 /// What the weights are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Weights {
+pub(in crate::affine) enum Weights {
     /// Those of the map.
     Value,
     /// Their right-hand derivatives.
@@ -23,7 +23,7 @@ pub(super) enum Weights {
 
 /// `count` weights for each target cell, of the source cells from `base[k]` on.
 #[derive(Debug, Clone)]
-pub(super) struct Band<T> {
+pub(in crate::affine) struct Band<T> {
     count: usize,
     active: Range<usize>,
     base: Vec<u32>,
@@ -31,13 +31,13 @@ pub(super) struct Band<T> {
 }
 
 impl<T: Real> Band<T> {
-    pub(super) fn new() -> Self {
+    pub(in crate::affine) fn new() -> Self {
         Self { count: 0, active: 0..0, base: Vec::new(), weight: Vec::new() }
     }
 
     /// Sets the weights of `sources` cells in `targets` cells, powers of two.
     #[inline(always)]
-    pub(super) fn set(&mut self, sources: usize, targets: usize, map: AffineMap, weights: Weights) {
+    pub(in crate::affine) fn set(&mut self, sources: usize, targets: usize, map: AffineMap, weights: Weights) {
         let (n, ratio) = (sources as f64, sources as f64 / targets as f64);
         let map = map.stretched(ratio);
         let (s, o) = (map.scale(), map.offset() * n);
@@ -85,7 +85,7 @@ impl<T: Real> Band<T> {
 
     /// Rows of `width`: dst[k] = Σ_q weight · src[base[k] + q].
     #[inline(always)]
-    pub(super) fn combine(&self, width: usize, src: &[T], dst: &mut [T]) {
+    pub(in crate::affine) fn combine(&self, width: usize, src: &[T], dst: &mut [T]) {
         dst[..self.active.start * width].fill(T::zero());
         dst[self.active.end * width..].fill(T::zero());
         for k in self.active.clone() {

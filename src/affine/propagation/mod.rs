@@ -1,11 +1,11 @@
 //! The affine map of a whole 2D signal: a light carried to a place, an image zoomed and moved.
 
-mod band;
+pub(super) mod band;
 mod cost;
 mod lists;
 mod lookups;
 mod pixel_operator;
-mod pixels;
+pub(super) mod pixels;
 mod source;
 mod targets;
 mod vertices;

@@ -83,7 +83,7 @@ impl<T: Real> WithSimd for Scatter<'_, T> {
 
 /// dst[x][y] = src[y][x], for y < height and x < width, powers of two.
 #[inline(always)]
-pub(super) fn transpose<T: Real>([height, width]: [usize; 2], src: &[T], dst: &mut [T]) {
+pub(in crate::affine) fn transpose<T: Real>([height, width]: [usize; 2], src: &[T], dst: &mut [T]) {
     transpose_part([0..height, 0..width], [width, height], src, dst);
 }
 

@@ -10,6 +10,7 @@ mod exact;
 mod exact_value;
 mod fourier;
 pub mod fourier_basis;
+mod image;
 mod integrals;
 pub mod pixel_basis;
 mod resample;
@@ -24,6 +25,7 @@ pub use exact_value::{
     exact_pixel_gradient, exact_tripling_1d,
 };
 pub use fourier::{fourier_coupling, fourier_tripling};
+pub use image::{convolve_2d, convolve_density, decode_standard};
 pub use integrals::{
     canonical, coupling_1d, coupling_nonstandard, coupling_slope_1d, coupling_standard, double_product, pixel_coupling,
     pixel_tripling, triple_product, tripling_1d, tripling_nonstandard, tripling_standard,
