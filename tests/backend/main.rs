@@ -4,6 +4,8 @@
 mod allocations;
 mod block_product;
 mod corpus;
+#[path = "near_field/importance_sampling/mod.rs"]
+mod importance_sampling;
 #[path = "../support/mod.rs"]
 mod support;
 mod wavelet;

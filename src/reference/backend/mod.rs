@@ -2,4 +2,5 @@
 
 #[cfg(feature = "block_product")]
 pub mod block_product;
+pub mod near_field_sampling;
 pub mod wavelet;
