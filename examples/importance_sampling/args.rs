@@ -38,7 +38,7 @@ pub struct Args {
     pub terms: Keep,
 
     /// Share of light sampling in the product's samples
-    #[arg(long, value_name = "SHARE", default_value_t = 0.125)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0625)]
     pub share: f64,
 
     /// Uniform numbers of a pixel: a stratified net, shifted by lot, or each by itself
@@ -46,7 +46,7 @@ pub struct Args {
     pub numbers: Numbers,
 
     /// Edge of each picture in pixels
-    #[arg(long, value_name = "PX", default_value_t = 200)]
+    #[arg(long, value_name = "PX", default_value_t = 160)]
     pub size: usize,
 
     /// Samples of the reference along an edge of a texel of the lamp

@@ -16,8 +16,7 @@ const CLOSE_UP: ([f64; 2], f64) = ([0.42, 0.3], 0.25);
 const PANEL: usize = 300;
 
 pub fn sheet(args: &Args, scene: &Scene, run: &Run) -> Result<Sheet, Failure> {
-    let lit: Vec<Vector3<f32>> = run.truth.clone();
-    let tone = ToneMap::with_white(0.7 * percentile_peak(&lit)?.max(1e-6));
+    let tone = ToneMap::with_white(0.4 * percentile_peak(&run.truth)?.max(1e-6));
     let panels = |caption: Vec<String>, pixels: &[Vector3<f32>]| {
         let shown: Vec<[u8; 3]> = pixels.iter().map(|pixel| tone.apply(pixel)).collect();
         let whole = enlarged(&shown, args.size, [0, 0], args.size, PANEL.div_ceil(args.size));

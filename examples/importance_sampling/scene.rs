@@ -24,7 +24,6 @@ pub struct Scene {
     pub up: LocalFrame,
     pub occluders: Occluders,
     pub places: Vec<Option<Place>>,
-    pub view: Camera,
 }
 
 /// What a pixel sees.
@@ -50,7 +49,9 @@ impl Scene {
             }
             None => {
                 let model = Procedural::TorusKnotOnFloor.build(args.vertices)?;
-                ("torus knot".to_owned(), model.mesh, model.camera, model.parts)
+                let (eye, target) = (Vector3::new(2.0, 2.0, 6.6), Vector3::new(0.0, 1.05, 0.0));
+                let camera = Camera::look_at(eye, target, Vector3::y(), 0.38)?;
+                ("torus knot".to_owned(), model.mesh, camera, model.parts)
             }
         };
         let up = LocalFrame { tangent: Vector3::x(), bitangent: -Vector3::z(), normal: Vector3::y() };
@@ -61,7 +62,7 @@ impl Scene {
         let places = (0..args.size * args.size).map(at).collect();
         let occluders = Occluders::of_mesh(&mesh);
         let brdfs = [Arc::new(Lambert::new([0.45, 0.43, 0.4])?) as Arc<dyn Brdf>, brdf];
-        Ok(Self { name, mesh, brdfs, light, up, occluders, places, view: camera })
+        Ok(Self { name, mesh, brdfs, light, up, occluders, places })
     }
 
     /// Pixels that show the glossy object.

@@ -35,7 +35,7 @@ pub struct ProductSettings {
     pub face: f64,
     /// What of it is cut into cells.
     pub window: Window,
-    /// The share of samples that are light sampling, by radiance. Default: 1/8.
+    /// The share of samples that are light sampling, by radiance. Default: 1/16.
     pub light_share: f64,
     /// From where the light is seen.
     pub incidence: Incidence,
@@ -48,7 +48,7 @@ impl Default for ProductSettings {
             keep: Keep::Fraction(1.0),
             face: 10.0,
             window: Window::default(),
-            light_share: 0.125,
+            light_share: 1.0 / 16.0,
             incidence: Incidence::default(),
         }
     }

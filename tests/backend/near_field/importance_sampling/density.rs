@@ -13,6 +13,27 @@ use proptest::prelude::*;
 use super::{brushed, discs, frame, gold, points, up};
 use crate::support::{cases, noise};
 
+/// The corners of the window in the plane above a point, and the light's centre seen from there.
+fn window_of(light: &PlanarLight, settings: &ProductSettings, point: &ShadingPoint) -> ([[f64; 2]; 2], Vector3<f64>) {
+    let (to, half) = (up().to_local(&(light.centre() - point.position)), 0.5 * settings.face);
+    let seen = [-0.5, 0.5].map(|end| [0, 1].map(|k| (to[k] + end * light.extent()[k]) / to.z));
+    let clipped = seen.map(|end| end.map(|v| v.clamp(-half, half)));
+    let window = match settings.window {
+        Window::Face => [[-half; 2], [half; 2]],
+        Window::Light if clipped[0][0] < clipped[1][0] && clipped[0][1] < clipped[1][1] => clipped,
+        Window::Light => seen,
+    };
+    (window, to)
+}
+
+/// The middle of a cell of the window, at distance 1 along z, and the cell's solid angle by the midpoint rule.
+fn cell(window: &[[f64; 2]; 2], side: usize, i: usize) -> (Vector3<f64>, f64) {
+    let middle = |k: usize, i: usize| window[0][k] + (window[1][k] - window[0][k]) * (i as f64 + 0.5) / side as f64;
+    let d = Vector3::new(middle(0, i % side), middle(1, i / side), 1.0);
+    let area = (window[1][0] - window[0][0]) * (window[1][1] - window[0][1]) / (side * side) as f64;
+    (up().to_world(&d.normalize()), area / d.norm().powi(3))
+}
+
 /// The largest difference from the twin over the cells of the window, relative to the largest density.
 fn off_twin(
     light: &PlanarLight,
@@ -28,27 +49,15 @@ fn off_twin(
     let [width, height] = light.texture_size();
     let largest = light.texture().iter().map(|l| l.amax()).fold(0.0, f32::max);
     let cells: Vec<f64> = (0..width * height).map(|i| f64::from(light.radiance(i).norm() / largest)).collect();
-    let to = frame.to_local(&(light.centre() - point.position));
+    let (window, to) = window_of(light, &settings, point);
     let twin = Light { side: width, cells: &cells, extent: light.size(), centre: to.into() };
-    let half = 0.5 * settings.face;
-    let seen = [-0.5, 0.5].map(|end| [0, 1].map(|k| (to[k] + end * light.size()[k]) / to.z));
-    let clipped = seen.map(|end| end.map(|v| v.clamp(-half, half)));
-    let window = match settings.window {
-        Window::Face => [[-half; 2], [half; 2]],
-        Window::Light if clipped[0][0] < clipped[1][0] && clipped[0][1] < clipped[1][1] => clipped,
-        Window::Light => seen,
-    };
     let wo = point.frame.to_local(&point.wo);
     let want = product_density(&twin, window, side, |direction| {
         let wi = point.frame.to_local(&frame.to_world(direction));
         if wi.z > 0.0 { brdf.eval(&wi, &wo).norm() * wi.z } else { 0.0 }
     });
-    let middle = |k: usize, i: usize| window[0][k] + (window[1][k] - window[0][k]) * (i as f64 + 0.5) / side as f64;
     let largest = want.iter().copied().fold(0.0, f64::max);
-    let off = |i: usize| {
-        let direction = Vector3::new(middle(0, i % side), middle(1, i / side), 1.0).normalize();
-        (density.first().pdf(&frame.to_world(&direction)) - want[i]).abs()
-    };
+    let off = |i: usize| (density.first().pdf(&cell(&window, side, i).0) - want[i]).abs();
     (0..side * side).map(off).fold(0.0, f64::max) / largest
 }
 
@@ -70,12 +79,12 @@ fn densities_are_the_product() {
             worst[0] = worst[0].max(off_twin(&light, settings, &point, &lambert, &exact));
             worst[1] = worst[1].max(off_twin(&light, settings, &point, &phong, &fine));
         }
-        println!("{window:?}: {worst:?}");
-        assert!(worst[0] < 1e-5 && worst[1] < 2e-2, "{window:?}: {worst:?}");
+        // Rounding of f32; the table of Phong's lobe between its entries.
+        assert!(worst[0] < 1.5e-6 && worst[1] < 1.7e-2, "{window:?}: {worst:?}");
     }
 }
 
-/// The mean of the density over the window is 1 whatever was truncated, and samples say the density that they have.
+/// The density integrates to 1 over the window whatever was truncated: over a cell it times solid angle is constant.
 #[test]
 fn densities_of_cells_sum_to_one() {
     let (light, table) = (discs(16, 0.9), BrdfTable::new(&gold(), 16, 32).unwrap());
@@ -90,16 +99,13 @@ fn densities_of_cells_sum_to_one() {
                     assert!(density.share() == 1.0 && window == Window::Face && point.position.x > 5.0);
                     continue;
                 }
-                // Uniform over the face of size 50, which holds all windows.
-                let (cells, size) = (800, 50.0);
-                let mut sum = 0.0;
-                for i in 0..cells * cells {
-                    let v = [i % cells, i / cells].map(|i| size * ((i as f64 + 0.5) / cells as f64 - 0.5));
-                    let d = Vector3::new(v[0], v[1], 1.0);
-                    sum += density.first().pdf(&up().to_world(&d.normalize())) / d.norm().powi(3);
-                }
-                let integral = sum * (size / cells as f64).powi(2);
-                assert!((integral - 1.0).abs() < 0.1, "{window:?}, {keep:?}, {}: {integral}", point.position);
+                let (corners, _) = window_of(&light, &settings, &point);
+                let share = |i: usize| {
+                    let (direction, solid_angle) = cell(&corners, 16, i);
+                    density.first().pdf(&direction) * solid_angle
+                };
+                let integral: f64 = (0..256).map(share).sum();
+                assert!((integral - 1.0).abs() < 1e-12, "{settings:?}, {}: {integral}", point.position);
             }
         }
     }
@@ -158,8 +164,9 @@ fn densities_do_not_depend_on_units() {
 /// The table interpolates: between two views an isotropic BRDF is looked up turned, an anisotropic one among azimuths.
 #[test]
 fn brdf_sampling_follows_the_brdf() {
-    for (brdf, views, bound) in [(&gold() as &dyn Brdf, 64, 0.05), (&brushed(), 16, 0.08)] {
-        let table = BrdfTable::new(brdf, views, 64).unwrap();
+    // Cells in which the density is constant, mostly.
+    for (brdf, views, cells, bound) in [(&gold() as &dyn Brdf, 32, 256, 0.055), (&brushed(), 16, 64, 0.2)] {
+        let table = BrdfTable::new(brdf, views, cells).unwrap();
         let mut scratch = BrdfScratch::new();
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
         for k in 0..6 {
@@ -186,7 +193,6 @@ fn brdf_sampling_follows_the_brdf() {
                 largest = largest.max(want);
             }
         }
-        println!("{views} views: {}", worst / largest);
         assert!(worst < bound * largest, "{views} views: {}", worst / largest);
     }
 }

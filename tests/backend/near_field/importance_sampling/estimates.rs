@@ -6,7 +6,7 @@ use haarmonic::backend::near_field::{
 };
 use haarmonic::haar::Keep;
 use haarmonic::nalgebra::Vector3;
-use haarmonic::scene::{Brdf, LocalTruth, Materials, Mesh, Occluders, View};
+use haarmonic::scene::{Brdf, LocalTruth, Materials, Mesh, Occluders, Phong, View};
 
 use super::{brushed, discs, gold, point, points, up};
 use crate::support::noise;
@@ -44,9 +44,7 @@ fn deviation(reflection: &Reflection<'_>, sampler: &dyn DirectionSampler, truth:
     }
     let n = COUNT as f64;
     let (mean, variance) = (sum / n, (squares - sum.component_mul(&sum) / n) / (n - 1.0));
-    (0..3)
-        .map(|c| (mean[c] - truth[c]).abs() / (variance[c] / n).sqrt().max(1e-3 * truth[c] + 1e-12))
-        .fold(0.0, f64::max)
+    (0..3).map(|c| (mean[c] - truth[c]).abs() / (variance[c] / n).sqrt().max(5e-4 * truth[c])).fold(0.0, f64::max)
 }
 
 /// Every sampler that is positive where there is light converges to the ground truth: turned, grazing, half below the
@@ -77,6 +75,7 @@ fn estimates_converge_to_the_truth() {
         ]
         .map(|settings| ProductSampler::new(&light, &up(), settings).unwrap());
         for (k, point) in points().into_iter().enumerate() {
+            assert!(truth[k].min() > 1e-6, "nothing is seen at point {k}: {}", truth[k]);
             let position = point.position.cast::<f32>();
             let wo = (eye - position).cast::<f64>().normalize();
             let point = ShadingPoint { position: position.cast(), wo, ..point };
@@ -89,7 +88,6 @@ fn estimates_converge_to_the_truth() {
             };
             let check = |what: &str, sampler: &dyn DirectionSampler| {
                 let deviation = deviation(&reflection, sampler, &truth[k], 77);
-                println!("{height}, point {k}, {what}: {deviation:.2}");
                 assert!(deviation < 4.0, "height {height}, point {k}, {what}: {deviation} standard errors");
             };
             check("area", &area.density(&point.position));
@@ -119,11 +117,11 @@ fn variance(reflection: &Reflection<'_>, sampler: &dyn DirectionSampler) -> f64 
 }
 
 /// On a glossy surface near a textured light, without shadows, the error of product sampling is below 1/√10 of that of
-/// light sampling, by radiance, at equal samples, and below that of multiple importance sampling.
+/// light sampling, by radiance, at equal samples, and below half of that of multiple importance sampling.
 #[test]
 fn products_are_less_noisy_than_their_factors() {
     let light = discs(32, 0.8);
-    let (brdf, eye) = (gold(), [0.2, 0.8, -0.1]);
+    let (brdf, eye) = (Phong::new([0.9, 0.7, 0.3], 80.0).unwrap(), [0.2, 0.8, -0.1]);
     let table = BrdfTable::new(&brdf, 32, 64).unwrap();
     let sampler = ProductSampler::new(&light, &up(), ProductSettings::default()).unwrap();
     let mut sums = [0.0; 4];
@@ -140,6 +138,5 @@ fn products_are_less_noisy_than_their_factors() {
         sums.iter_mut().zip(all).for_each(|(sum, sampler)| *sum += variance(&reflection, sampler));
     }
     let [light, brdf, both, product] = sums;
-    println!("variances: light {light}, BRDF {brdf}, both {both}, product {product}");
-    assert!(product < light / 10.0 && product < both && both < brdf.max(light), "{sums:?}");
+    assert!(product < light / 10.0 && product < both / 4.0, "BRDF {brdf}: {sums:?}");
 }

@@ -61,6 +61,10 @@ fn gold() -> Sum {
     Sum::new(terms).unwrap()
 }
 
-fn brushed() -> Ward {
-    Ward::new([0.6, 0.6, 0.7], 0.15, 0.5).unwrap()
+fn brushed() -> Sum {
+    let terms: Vec<(f64, Arc<dyn Brdf>)> = vec![
+        (1.0, Arc::new(Ward::new([0.6, 0.6, 0.7], 0.15, 0.5).unwrap())),
+        (1.0, Arc::new(Lambert::new([0.1, 0.1, 0.2]).unwrap())),
+    ];
+    Sum::new(terms).unwrap()
 }
