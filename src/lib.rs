@@ -238,6 +238,9 @@ mod pages {
     struct Dct;
     #[doc = include_str!("../docs/haar.md")]
     struct Haar;
+    #[cfg(feature = "near_field")]
+    #[doc = include_str!("../docs/near_field_sampling.md")]
+    struct NearFieldSampling;
     #[doc = include_str!("../docs/numeric.md")]
     struct Numeric;
     #[cfg(feature = "io")]

@@ -22,7 +22,7 @@ pub struct Args {
     pub vertices: usize,
 
     /// Reflectance of the object: phong:50, ggx:0.3, ward:0.2:0.5, merl:FILE, … or a sum such as phong:50+lambert:0.4
-    #[arg(long, value_name = "SPEC", default_value = "ggx:0.2:0.2:1,0.78,0.34")]
+    #[arg(long, value_name = "SPEC", default_value = "ggx:0.1:0.1:1,0.78,0.34")]
     pub brdf: String,
 
     /// Samples a pixel (a power of two)
@@ -46,7 +46,7 @@ pub struct Args {
     pub numbers: Numbers,
 
     /// Edge of each picture in pixels
-    #[arg(long, value_name = "PX", default_value_t = 160)]
+    #[arg(long, value_name = "PX", default_value_t = 120)]
     pub size: usize,
 
     /// Samples of the reference along an edge of a texel of the lamp

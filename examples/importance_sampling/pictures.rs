@@ -10,7 +10,7 @@ use crate::support::Failure;
 use crate::support::sheet::{Panel, Sheet};
 
 /// The part of the picture that is shown enlarged, as shares of its edge: corner and edge.
-const CLOSE_UP: ([f64; 2], f64) = ([0.42, 0.3], 0.25);
+const CLOSE_UP: ([f64; 2], f64) = ([0.3, 0.2], 0.3);
 
 /// Pixels along an edge of a panel, at least.
 const PANEL: usize = 300;

@@ -50,7 +50,7 @@ impl Scene {
             None => {
                 let model = Procedural::TorusKnotOnFloor.build(args.vertices)?;
                 let (eye, target) = (Vector3::new(2.0, 2.0, 6.6), Vector3::new(0.0, 1.05, 0.0));
-                let camera = Camera::look_at(eye, target, Vector3::y(), 0.38)?;
+                let camera = Camera::look_at(eye, target, Vector3::y(), 0.42)?;
                 ("torus knot".to_owned(), model.mesh, camera, model.parts)
             }
         };

@@ -171,7 +171,7 @@ fn brdf_sampling_follows_the_brdf() {
         let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
         for k in 0..6 {
             let frame = frame([noise(k) - 0.5, noise(k + 9) - 0.2, 0.3]);
-            let (angle, height) = (6.28 * noise(k + 20), 0.3 + 0.6 * noise(k + 30));
+            let (angle, height) = (std::f64::consts::TAU * noise(k + 20), 0.3 + 0.6 * noise(k + 30));
             let flat = (1.0_f64 - height * height).sqrt();
             let wo = Vector3::new(flat * angle.cos(), flat * angle.sin(), height);
             let point = ShadingPoint { position: Vector3::zeros(), frame, wo: frame.to_world(&wo) };
