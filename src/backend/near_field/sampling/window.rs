@@ -44,11 +44,9 @@ impl Rectangle {
         let half = 0.5 * face;
         let ends = [0, 1].map(|axis| {
             let light = [-0.5, 0.5].map(|side| (to[axis] + side * extent[axis]) / to.z);
-            let clipped = light.map(|end| end.clamp(-half, half));
             match window {
                 Window::Face => ([-half, half], None),
-                Window::Light if clipped == light => (light, Some(light)),
-                Window::Light => (clipped, Some(light)),
+                Window::Light => (light.map(|end| end.clamp(-half, half)), Some(light)),
             }
         });
         let outside = ends.iter().any(|(window, _)| window[0] >= window[1]);
