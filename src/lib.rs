@@ -243,6 +243,9 @@ mod pages {
     #[cfg(feature = "near_field")]
     #[doc = include_str!("../docs/near_field.md")]
     struct NearField;
+    #[cfg(feature = "near_field")]
+    #[doc = include_str!("../docs/near_field_sampling.md")]
+    struct NearFieldSampling;
     #[doc = include_str!("../docs/numeric.md")]
     struct Numeric;
     #[cfg(feature = "io")]

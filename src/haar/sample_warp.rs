@@ -42,16 +42,29 @@ impl SampleWarp1d {
     /// [`Error::NotPowerOfTwo`] unless their number is one, [`Error::NotFinite`] for NaN and infinity.
     pub fn new<T: Real>(coefs: &[T]) -> Result<Self> {
         check(coefs, coefs.len(), "coefficients")?;
-        let mut shares = vec![0.5; coefs.len()];
-        let mut means = vec![0.0; 2 * coefs.len()];
-        means[1] = coefs[0].widen();
-        for node in 1..coefs.len() {
-            let detail = coefs[node].widen() * scale(node);
-            let [first, second] = [means[node] + detail, means[node] - detail];
-            shares[node] = share(first, second);
-            (means[2 * node], means[2 * node + 1]) = (first, second);
+        let mut warp = Self { shares: vec![0.5; coefs.len()] };
+        warp.set_shares(coefs.iter().map(|c| c.widen()));
+        Ok(warp)
+    }
+
+    /// The shares of a signal with as many coefficients.
+    fn set_shares(&mut self, coefs: impl Iterator<Item = f64>) {
+        // A node's mean lies where its share will, until its children have theirs.
+        let size = self.size();
+        for (node, coef) in coefs.enumerate() {
+            if node == 0 {
+                if size > 1 {
+                    self.shares[1] = coef;
+                }
+                continue;
+            }
+            let (mean, detail) = (self.shares[node], coef * scale(node));
+            let [first, second] = [mean + detail, mean - detail];
+            self.shares[node] = share(first, second);
+            if 2 * node < size {
+                (self.shares[2 * node], self.shares[2 * node + 1]) = (first, second);
+            }
         }
-        Ok(Self { shares })
     }
 
     /// The number of cells of the signal.
@@ -146,6 +159,35 @@ impl SampleWarp2d {
             }
         };
         Ok(Self { width, height, form })
+    }
+
+    /// Becomes the warp of another image of the same size and decomposition, with the bits of a [`new`](Self::new) one.
+    ///
+    /// Nothing is allocated under the standard decomposition: this is for a renderer that has a density a point.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for another number of coefficients, [`Error::NotFinite`] for NaN and infinity; the warp then
+    /// stays what it is.
+    ///
+    /// # Example
+    /// ```
+    /// use haarmonic::haar::{Decomposition::Standard, SampleWarp2d, forward_2d};
+    /// let mut warp = SampleWarp2d::new(&[1.0, 0.0, 0.0, 0.0], 2, 2, Standard)?;
+    /// assert_eq!(warp.density([0.9, 0.9]), 1.0);
+    /// warp.set(&forward_2d(&[1.0, 1.0, 1.0, 5.0], 2, 2, Standard)?)?;
+    /// assert_eq!(warp.density([0.9, 0.9]), 2.5);
+    /// # Ok::<(), haarmonic::Error>(())
+    /// ```
+    pub fn set<T: Real>(&mut self, coefs: &[T]) -> Result<()> {
+        check(coefs, self.width * self.height, "coefficients of an image")?;
+        match &mut self.form {
+            Form::Nonstandard(_) => *self = Self::new(coefs, self.width, self.height, Decomposition::Nonstandard)?,
+            Form::Standard(wide, marginal) => {
+                wide.iter_mut().zip(coefs).for_each(|(wide, c)| *wide = c.widen());
+                marginal.set_shares(wide.iter().step_by(self.width).copied());
+            }
+        }
+        Ok(())
     }
 
     /// The sample [x, y] of two uniform numbers in [0, 1), and the density there. Within a pixel it is constant.

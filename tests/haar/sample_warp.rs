@@ -79,6 +79,25 @@ proptest! {
     }
 }
 
+/// A warp that is set again is the warp that would be made anew; what is refused leaves it as it was.
+#[test]
+fn warps_are_set_again() {
+    for (width, height) in [(1, 1), (2, 2), (16, 16), (8, 2), (1, 8)] {
+        for decomposition in BOTH.into_iter().filter(|d| width == height || *d == Decomposition::Standard) {
+            let [first, second] =
+                [1, 2].map(|seed| warp_2d(&pixels(seed, width * height), width, height, decomposition));
+            let mut warp = first;
+            let coefs = forward_2d(&pixels(2, width * height), width, height, decomposition).unwrap();
+            warp.set(&coefs).unwrap();
+            assert_eq!(warp, second, "{width} × {height}, {decomposition:?}");
+            assert!(matches!(warp.set(&coefs[1..]), Err(Error::Length { .. })));
+            let broken: Vec<f64> = coefs.iter().map(|c| c * f64::INFINITY).collect();
+            assert!(matches!(warp.set(&broken), Err(Error::NotFinite { .. })));
+            assert_eq!(warp, second);
+        }
+    }
+}
+
 /// Pearson's test: counts of 40 000 samples from stratified numbers fit the density at a significance of 0.001.
 #[test]
 fn counts_fit_the_density() {

@@ -4,6 +4,7 @@
 mod file;
 mod frames;
 mod gradient;
+mod importance_sampling;
 mod light;
 #[path = "../support/mod.rs"]
 mod support;

@@ -12,6 +12,7 @@
 //! | [`PlanarLight`] | a textured rectangle with a place, sizes, an angle, a mask and a profile |
 //! | [`Relighter`] | frames, and the gradient of a loss in a light |
 //! | [`Settings`], [`Route`], [`TargetSelection`], [`Ranking`] | what is kept of lights, and how frames are computed |
+//! | [`ProductSampler`], [`BrdfTable`], [`LightSampler`], [`Mixture`], [`Reflection`] | importance sampling for Monte Carlo renderers, without the rest |
 //! | [`IncidentLight`] | the wavelets of the light that arrives at a point, for any other transport |
 //!
 //! # Which route when
@@ -35,6 +36,7 @@ mod light;
 mod pixels;
 mod relighter;
 mod rows;
+mod sampling;
 mod settings;
 mod tables;
 mod texture;
@@ -44,5 +46,10 @@ pub use gradient::LightGradient;
 pub use incident::IncidentLight;
 pub use light::PlanarLight;
 pub use relighter::Relighter;
+pub use sampling::{
+    BrdfDensity, BrdfScratch, BrdfTable, DirectionSample, DirectionSampler, Incidence, LightDensity, LightHit,
+    LightSampler, LightWeight, Mixture, ProductDensity, ProductSampler, ProductScratch, ProductSettings, Reflection,
+    ShadingPoint, Window,
+};
 pub use settings::{BakeSettings, Precision, Ranking, Route, Settings, TargetSelection, ViewFactors};
 pub use transport::{Transport, TransportStats};

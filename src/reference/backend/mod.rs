@@ -4,4 +4,6 @@
 pub mod block_product;
 #[cfg(feature = "near_field")]
 pub mod near_field;
+#[cfg(feature = "near_field")]
+pub mod near_field_sampling;
 pub mod wavelet;
