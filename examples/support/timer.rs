@@ -28,8 +28,8 @@ impl Timer {
         self.milliseconds.first().copied().unwrap_or(f64::NAN)
     }
 
-    /// Milliseconds of the shortest frame, which is nearest to what the work costs on a machine that is shared; infinite
-    /// before the first.
+    /// Milliseconds of the shortest frame, which is nearest to what the work costs on a machine that is shared;
+    /// infinite before the first.
     pub fn least(&self) -> f64 {
         self.milliseconds.iter().copied().fold(f64::INFINITY, f64::min)
     }
