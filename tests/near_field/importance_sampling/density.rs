@@ -69,8 +69,10 @@ fn densities_are_the_product() {
     let exact = BrdfTable::new(&lambert, 1, 1).unwrap();
     let phong = Phong::new([0.7, 0.5, 0.2], 20.0).unwrap();
     let fine = BrdfTable::new(&phong, 256, 128).unwrap();
-    for window in [Window::Face, Window::Light] {
-        let settings = ProductSettings { side: 32, window, ..ProductSettings::default() };
+    // The last face cuts the light off: what is seen of it may be dim, and its rounding is that of the brightest texel.
+    let cases = [(Window::Face, 10.0, 1.5e-6), (Window::Light, 10.0, 1.5e-6), (Window::Light, 0.9, 1.3e-5)];
+    for (window, face, rounding) in cases {
+        let settings = ProductSettings { side: 32, window, face, ..ProductSettings::default() };
         let mut worst = [0.0_f64; 2];
         for (light, point) in [16, 32].into_iter().flat_map(|side| points().map(|point| (discs(side, 1.1), point))) {
             if window == Window::Face && point.position.x > 5.0 {
@@ -80,7 +82,7 @@ fn densities_are_the_product() {
             worst[1] = worst[1].max(off_twin(&light, settings, &point, &phong, &fine));
         }
         // Rounding of f32; the table of Phong's lobe between its entries.
-        assert!(worst[0] < 1.5e-6 && worst[1] < 1.7e-2, "{window:?}: {worst:?}");
+        assert!(worst[0] < rounding && worst[1] < 1.7e-2, "{window:?}: {worst:?}");
     }
 }
 
