@@ -27,7 +27,7 @@ pub struct Args {
     pub zoom: f64,
 
     /// Centre of the window, in widths and heights of the picture (default: a façade, or the middle)
-    #[arg(long, value_name = "X,Y", value_delimiter = ',', num_args = 2)]
+    #[arg(long, value_name = "X,Y", value_delimiter = ',')]
     pub at: Vec<f64>,
 
     /// Terms of the picture that are kept: a count, a percentage such as 1%, or `all`; without it several
@@ -58,6 +58,9 @@ impl Args {
         }
         if !(0.01..=1000.0).contains(&self.zoom) {
             return Err(format!("--zoom must be in 0.01...1000, got {}", self.zoom));
+        }
+        if ![0, 2].contains(&self.at.len()) {
+            return Err(format!("--at must be two numbers such as 0.3,0.6, got {}", self.at.len()));
         }
         match self.at.iter().find(|at| !(-10.0..=10.0).contains(*at)) {
             Some(at) => Err(format!("--at must be in -10...10, got {at}")),
