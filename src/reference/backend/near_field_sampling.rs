@@ -1,5 +1,5 @@
-//! Twin of product importance sampling in [`backend::near_field`](crate::backend::near_field): a density on cells of the
-//! plane above a point, from the definition.
+//! Twin of product importance sampling in [`backend::near_field`](crate::backend::near_field): a density on cells of
+//! the plane above a point, from the definition.
 //!
 //! No wavelets, no affine maps, no tables: the mean of the light over each cell by overlaps of rectangles, and the
 //! reflectance, cosine and solid angle at its middle.

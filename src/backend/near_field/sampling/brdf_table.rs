@@ -14,9 +14,9 @@ use crate::{Error, Result, parallel};
 /// A value is the length of the BRDF's RGB vector, its mean over 3 × 3 points of a cell; between the centres of cells
 /// and between directions of view it is interpolated. It is a proposal only: estimates evaluate the BRDF itself.
 ///
-/// Shapes: `views` elevations, equally spaced in the angle, times one azimuth (an isotropic BRDF) or 4 · `views`; `cells`²
-/// cells of half an octahedron. Bytes: 4 views cells², anisotropic 16 views² cells². Cost: 9 values of the BRDF an
-/// entry; 32 views of 64² cells are 0.5 MB, in some 50 ms.
+/// Shapes: `views` elevations, equally spaced in the angle, times one azimuth (an isotropic BRDF) or 4 · `views`;
+/// `cells`² cells of half an octahedron. Bytes: 4 views cells², anisotropic 16 views² cells². Cost: 9 values of the
+/// BRDF an entry; 32 views of 64² cells are 0.5 MB, in some 50 ms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrdfTable {
     elevations: usize,

@@ -1,7 +1,7 @@
 //! The hemisphere as a square without trigonometry: half an octahedron, turned by 45° [Cigolle et al. 2014].
 //!
-//! A direction d lies on the facet |q_x| + |q_y| + q_z = 1 at q = d/(|d_x| + |d_y| + d_z), and at w = ((q_x + q_y), (q_x
-//! − q_y))/2 + ½ in the square. A facet is 1/√3 away from the centre and dq_x dq_y is 1/√3 of its area, so that
+//! A direction d lies on the facet |q_x| + |q_y| + q_z = 1 at q = d/(|d_x| + |d_y| + d_z), and at w = ((q_x + q_y),
+//! (q_x − q_y))/2 + ½ in the square. A facet is 1/√3 away from the centre and dq_x dq_y is 1/√3 of its area, so that
 //!
 //! ```math
 //! dω = dq_x dq_y/|q|³,  dq_x dq_y = 2 dw.

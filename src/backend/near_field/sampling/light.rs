@@ -19,8 +19,8 @@ pub enum LightWeight {
 
 /// Light sampling: a light in its frame, ready to be looked at along rays and drawn from.
 ///
-/// Points of the light are drawn, by area or by radiance ([`LightWeight`]), and looked at from the point to be lit: what
-/// is near or faces the point is no likelier than what does not.
+/// Points of the light are drawn, by area or by radiance ([`LightWeight`]), and looked at from the point to be lit:
+/// what is near or faces the point is no likelier than what does not.
 #[derive(Debug, Clone)]
 pub struct LightSampler {
     axes: Axes,

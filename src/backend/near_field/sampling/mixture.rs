@@ -11,8 +11,8 @@ use crate::{Error, Result};
 /// p = (1 − share) p_first + share p_second
 /// ```
 ///
-/// Dividing by p is the balance heuristic [Veach & Guibas 1995]. The first uniform number chooses, and what is left of it
-/// is stretched: of n stratified numbers, share · n go to the second density.
+/// Dividing by p is the balance heuristic [Veach & Guibas 1995]. The first uniform number chooses, and what is left of
+/// it is stretched: of n stratified numbers, share · n go to the second density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mixture<A, B> {
     first: A,

@@ -157,9 +157,9 @@ impl ProductSampler {
 
     /// The density about a point, mixed with light sampling.
     ///
-    /// Where the product is 0 everywhere (a viewer below the surface or with NaN, a black BRDF, a light that the surface
-    /// turns its back to), it is light sampling alone; behind the light's plane and under a black light there are no
-    /// samples.
+    /// Where the product is 0 everywhere (a viewer below the surface or with NaN, a black BRDF, a light that the
+    /// surface turns its back to), it is light sampling alone; behind the light's plane and under a black light there
+    /// are no samples.
     ///
     /// Cost: with 64² cells 50 to 70 µs, mostly look-ups of the BRDF. Nothing is allocated but at the first
     /// point of a table.
