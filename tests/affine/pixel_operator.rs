@@ -32,8 +32,12 @@ fn check<T: Real>(sides: [usize; 2], maps: [AffineMap; 2]) {
         operator.apply(image, &mut seen);
         let want = wanted(&wide(image), sides, maps);
         for (i, (got, want)) in seen.iter().zip(&want).enumerate() {
-            // Images are within ±1.
-            assert!((got.widen() - want).abs() <= 4.0 * epsilon, "{sides:?} {maps:?} pixel {i}: {got} {want}");
+            // Images are within ±1; ends of source pixels are rounded by ε of their place in f64.
+            let place = if size_of::<T>() == 8 { (i % side).max(i / side) as f64 } else { 0.0 };
+            assert!(
+                (got.widen() - want).abs() <= (4.0 + 0.5 * place) * epsilon,
+                "{sides:?} {maps:?} pixel {i}: {got} {want}"
+            );
         }
         // Sums of side² products of numbers within ±1, in an order of their own.
         let (want, allowed) = (dot(&want, &wide(&met)), 2.0 * epsilon * (side * side) as f64);

@@ -280,7 +280,8 @@ fn vertices_behind_the_light_are_black() {
             }
         }
     }
-    // So near that the face sees one point of the light: its radiance all over, of which it sees .968 of the irradiance.
+    // So near that the face sees one point of the light: its radiance all over, of which it sees .968 of the
+    // irradiance.
     let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [-1.0, 0.0, 1.0]].map(Vector3::from);
     let plate = Mesh::new(corners.to_vec(), vec![[0, 2, 1], [0, 3, 2]]).unwrap();
     let white = Materials::uniform(Lambert::new([1.0; 3]).unwrap());

@@ -50,8 +50,8 @@ impl<T: Real> PixelOperator<T> {
     /// An operator from `source_side`² to `side`² pixels that shows nothing until it is [`set`](Self::set).
     ///
     /// # Errors
-    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless both are, [`Error::OutOfRange`](crate::Error::OutOfRange)
-    /// above 4096.
+    /// [`Error::NotPowerOfTwo`](crate::Error::NotPowerOfTwo) unless both are,
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) above 4096.
     pub fn new(source_side: usize, side: usize) -> Result<Self> {
         check_side(source_side)?;
         check_side(side)?;

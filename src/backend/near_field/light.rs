@@ -13,9 +13,9 @@ use crate::{Error, Result};
 /// A rectangle with a texture of radiance, in a plane across the normal of a frame that the caller has chosen for all
 /// lights and transports: it shines against that normal, downwards if the normal points up.
 ///
-/// The same radiance leaves a point of it in all directions, unless there is a [`profile`](Self::set_profile). Columns of the texture run along
-/// the frame's tangent and rows along its bitangent, both turned by the light's rotation about the normal. Seen from
-/// below, with the tangent to the right, the texture stands upright.
+/// The same radiance leaves a point of it in all directions, unless there is a [`profile`](Self::set_profile). Columns
+/// of the texture run along the frame's tangent and rows along its bitangent, both turned by the light's rotation about
+/// the normal. Seen from below, with the tangent to the right, the texture stands upright.
 ///
 /// Everything may change in every frame: [`set_centre`](Self::set_centre), [`set_size`](Self::set_size),
 /// [`set_rotation`](Self::set_rotation), [`set_texture`](Self::set_texture), [`set_mask`](Self::set_mask).

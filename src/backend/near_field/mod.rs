@@ -3,7 +3,8 @@
 //!
 //! The plane of the lights is chosen once. Above each vertex lies a square parallel to it, the *top face*, and what the
 //! vertex sees of a light on it is an affine map of the light's texture: scaled by the height, moved by the place. So
-//! the light's wavelets are carried to the vertex by affine couplings, exactly, and met there by the vertex's transport.
+//! the light's wavelets are carried to the vertex by affine couplings, exactly, and met there by the vertex's
+//! transport.
 //!
 //! | type | life |
 //! |---|---|

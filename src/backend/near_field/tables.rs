@@ -1,4 +1,5 @@
-//! The thesis' two ways to couplings: looked up, and made of a table of M. What they share is the product in two passes.
+//! The thesis' two ways to couplings: looked up, and made of a table of M. What they share is the product in two
+//! passes.
 
 use super::incident::Terms;
 use crate::affine::{

@@ -211,8 +211,8 @@ struct Grid<N> {
     down: Point<N>,
 }
 
-/// The most corners of a quadrilateral that four lines have cut, each of which leaves at most half as many more: rounding
-/// may make it a little less than convex.
+/// The most corners of a quadrilateral that four lines have cut, each of which leaves at most half as many more:
+/// rounding may make it a little less than convex.
 const CORNERS: usize = 20;
 
 /// A polygon of few corners.

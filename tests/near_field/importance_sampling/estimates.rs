@@ -48,8 +48,8 @@ fn deviation(reflection: &Reflection<'_>, sampler: &dyn DirectionSampler, truth:
 }
 
 /// Every sampler that is positive where there is light converges to the ground truth: turned, grazing, half below the
-/// horizon, partly hidden, with hardly a term of the light left, for lights that are taken to be far away, and for one that shines
-/// more to the sides.
+/// horizon, partly hidden, with hardly a term of the light left, for lights that are taken to be far away, and for one
+/// that shines more to the sides.
 #[test]
 fn estimates_converge_to_the_truth() {
     let (_, occluders) = scene();
