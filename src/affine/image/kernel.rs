@@ -60,7 +60,7 @@ impl Kernel {
     /// ```
     /// use haarmonic::affine::{Kernel, WaveletImage};
     /// use haarmonic::haar::Keep;
-    /// let image = WaveletImage::from_pixels([4, 1], [&[0.0, 8.0, 0.0, 0.0]], Keep::Fraction(1.0))?;
+    /// let image = WaveletImage::<f64>::from_pixels([4, 1], [&[0.0, 8.0, 0.0, 0.0]], Keep::Fraction(1.0))?;
     /// let right = Kernel::from_taps(1, &[1.0])?; // moves to the right
     /// let [moved] = image.convolve([&right, &Kernel::identity()]).to_pixels();
     /// assert!(moved.iter().zip([0.0, 0.0, 8.0, 0.0]).all(|(got, want)| (got - want).abs() < 1e-14), "{moved:?}");
