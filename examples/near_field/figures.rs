@@ -18,9 +18,9 @@ use crate::frames::{bake, bake_settings, bright};
 use crate::refine::refine;
 use crate::scene::{Scene, TEXTURES, palette, texture};
 use crate::support::axis::{Axis, Scale};
-use crate::support::plot::{Chart, Series};
+use crate::support::plot::{self, Chart, Series};
 use crate::support::progress::Bar;
-use crate::support::sheet::{Panel, Sheet};
+use crate::support::sheet::{PAPER, Panel, Sheet};
 use crate::support::timer::Timer;
 use crate::support::{self, Failure, table};
 use crate::truth;
@@ -170,7 +170,8 @@ fn errors(args: &Args, scene: &Scene, results: &mut Vec<Value>) -> Result<(), Fa
             series,
             size: [1000, 640],
         };
-        args.folder.save(file, &chart.draw())?;
+        let legend = plot::legend(&chart.series, 2, chart.size[0]);
+        args.folder.save(file, &Sheet::grid(&[vec![chart.draw()], vec![legend]], PAPER))?;
     }
     println!("figure 4.10: relative L2 error of the radiance");
     let header =

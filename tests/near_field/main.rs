@@ -38,10 +38,12 @@ pub fn materials(model: &Model, mixed: bool) -> Materials {
     Materials::new(vec![Arc::new(Lambert::new([0.5, 0.6, 0.7]).unwrap()), lobe], parts).unwrap()
 }
 
+/// Spheres on a floor.
 pub fn model() -> Model {
     Procedural::StackedSpheres.build(1000).unwrap()
 }
 
+/// What a mesh sees of itself.
 pub fn bake(mesh: &Mesh, view: &View, materials: &Materials, settings: BakeSettings) -> Transport {
     Transport::bake(mesh, Occluders::of_mesh(mesh), view, materials, settings, &()).unwrap()
 }

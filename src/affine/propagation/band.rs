@@ -51,12 +51,17 @@ impl<T: Real> Band<T> {
         self.base.resize(targets, 0);
         self.weight.resize(targets * self.count, T::zero());
         let room = (sources - self.count) as f64;
-        for k in self.active.clone() {
-            let lower_end = if s > 0.0 { k } else { k + 1 };
-            self.base[k] = (image_cell(s, lower_end as f64, o) - margin as f64).clamp(0.0, room) as u32;
+        // In f32 the sliver that rounding may miss of a cell does not show, unless it is all that is seen.
+        let is_short = size_of::<T>() == 4;
+        let is_plain = is_short && s.abs() > 1e-4;
+        let step = f64::from(u8::from(s < 0.0));
+        for (k, base) in self.base[self.active.clone()].iter_mut().enumerate() {
+            let lower_end = (self.active.start + k) as f64 + step;
+            let cell = if is_plain { (s * lower_end + o).floor() } else { image_cell(s, lower_end, o) };
+            *base = (cell - margin as f64).clamp(0.0, room) as u32;
         }
         // In f32 the rounding of the reciprocal does not show.
-        let (is_short, inverse) = (size_of::<T>() == 4, 1.0 / s);
+        let inverse = 1.0 / s;
         let edge = |m: f64| if is_short { (m - o) * inverse } else { (m - o) / s };
         for k in self.active.clone() {
             let (base, k0) = (f64::from(self.base[k]), k as f64);

@@ -105,7 +105,7 @@ impl Relighter<'_> {
         let (source, factor, profile) = (light.pixels(), light.factor(), light.profile());
         let mut sums = Sums { centre: Vector3::zeros(), extent: [0.0; 2], pixels: [(); 3].map(|()| vec![0.0; area]) };
         let mut operator = PixelOperator::new(side, cells).expect("the relighter has checked the sides");
-        let (mut image, mut shaped) = (vec![0.0; area], vec![0.0; cells * cells]);
+        let (mut image, [mut wide, mut shaped]) = (vec![0.0; area], [(); 2].map(|()| vec![0.0; cells * cells]));
         for vertex in vertices {
             let position = self.transport.positions[vertex].cast();
             let Some(maps) = light.maps(&position) else { continue };
@@ -118,8 +118,9 @@ impl Relighter<'_> {
             for row in self.transport.rows.of(vertex) {
                 let view = f64::from(self.view.get(row).copied().unwrap_or(1.0));
                 let weight = Vector3::from(self.transport.rows.weight[row]).cast::<f64>();
-                let along = weight.component_mul(&given) * view;
-                shaped.copy_from_slice(pixels.of(row));
+                let (transport, scale) = pixels.of(row, &mut wide);
+                shaped.copy_from_slice(transport);
+                let along = weight.component_mul(&given) * (view * f64::from(scale));
                 shaped.iter_mut().zip(profile).for_each(|(t, p)| *t *= p);
                 operator.set(maps);
                 operator.adjoint(&shaped, &mut image);

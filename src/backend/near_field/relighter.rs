@@ -53,6 +53,7 @@ struct Memory {
     table: TableScratch,
     operator: PixelOperator<f32>,
     image: Vec<f32>,
+    shaped: Vec<f32>,
 }
 
 /// Scales and offsets of places whose targets are predicted together.
@@ -69,7 +70,7 @@ impl<'a> Relighter<'a> {
     /// A relighter without light. A transport whose view is free is seen from above, along the normal of each vertex,
     /// until [`set_view`](Self::set_view).
     ///
-    /// Cost: for the routes through pixels, 4 · cells² bytes for each row of the transport.
+    /// Cost: for the routes through pixels, cells² numbers for each row of the transport, of as many bits as its own.
     ///
     /// # Errors
     /// [`Error::NotPowerOfTwo`] unless the side of the sources is one; [`Error::OutOfRange`] above 256, and for
@@ -103,6 +104,7 @@ impl<'a> Relighter<'a> {
                 table: TableScratch::default(),
                 operator: PixelOperator::new(side, cells)?,
                 image: vec![0.0; cells * cells],
+                shaped: vec![0.0; cells * cells],
             })
         };
         let memory = (0..parallel::pieces()).map(|_| memory()).collect::<Result<_>>()?;
@@ -384,29 +386,25 @@ fn meet_in_pixels(
     memory: &mut Memory,
     add: &mut impl FnMut(usize, [f32; 3]),
 ) {
-    let Memory { operator, image, planes, .. } = memory;
+    let Memory { operator, image, shaped, planes, .. } = memory;
     operator.set(maps);
     let (source, profile) = (light.pixels(), light.profile());
     if rows.len() <= FEW_ROWS {
         // One image a row to the light, rather than three to the vertex.
         for row in rows {
-            let transport = pixels.of(row);
-            let shaped = if profile.is_empty() {
-                transport
-            } else {
-                image.iter_mut().zip(transport).zip(profile).for_each(|((out, t), p)| *out = t * p);
-                &*image
+            let (mut transport, factor) = pixels.of(row, image);
+            if !profile.is_empty() {
+                shaped.iter_mut().zip(transport).zip(profile).for_each(|((out, t), p)| *out = t * p);
+                transport = shaped;
+            }
+            let integral = match only_channel(weights[row]) {
+                Some(c) => {
+                    let [integral] = operator.inner_products([source[c]], transport);
+                    std::array::from_fn(|k| if k == c { integral } else { 0.0 })
+                }
+                None => operator.inner_products(source, transport),
             };
-            add(
-                row,
-                match only_channel(weights[row]) {
-                    Some(c) => {
-                        let [integral] = operator.inner_products([source[c]], shaped);
-                        std::array::from_fn(|k| if k == c { integral } else { 0.0 })
-                    }
-                    None => operator.inner_products(source, shaped),
-                },
-            );
+            add(row, integral.map(|x| x * factor));
         }
         return;
     }
@@ -418,8 +416,8 @@ fn meet_in_pixels(
         }
     }
     for row in rows {
-        let transport = pixels.of(row);
-        add(row, [0, 1, 2].map(|c| dot(transport, &planes[c * area..][..area])));
+        let (transport, factor) = pixels.of(row, image);
+        add(row, [0, 1, 2].map(|c| factor * dot(transport, &planes[c * area..][..area])));
     }
 }
 
