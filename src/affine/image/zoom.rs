@@ -38,7 +38,8 @@ pub enum ZoomTargets<'a> {
 /// smaller. Projections do not chain: zoom with the composed window ([`AffineMap::then`]) instead of zooming twice,
 /// unless the first window enlarges by a power of two and is [`snapped`](ZoomWindow::snapped).
 ///
-/// Accuracy: a few ε of max |F|.
+/// Accuracy: ends are rounded by ε of their place, which a cell as narrow as a pixel sees as side · ε: up to 121 ε of
+/// max |F| at sides up to 64.
 /// Cost: where the terms are too many, pixels are cheaper ([`route`](Self::route)); docs/wavelet_image.md has
 /// measurements.
 ///
