@@ -9,7 +9,7 @@ use super::mixture::{Mixture, check_share};
 use super::window::{Rectangle, Window};
 use super::{DirectionSample, DirectionSampler, ShadingPoint};
 use crate::affine::{AffineMap, Propagation, PropagationScratch, PropagationSource, Targets};
-use crate::haar::{Decomposition, Keep, SampleWarp2d, Selection, Transform2d, forward_2d, inverse_2d};
+use crate::haar::{Decomposition, Keep, SampleWarp2d, Selection, Transform2d, Weighting, forward_2d, inverse_2d};
 use crate::scene::{Axes, LocalFrame};
 use crate::sphere::TopFace;
 use crate::{Error, Result};
@@ -114,7 +114,7 @@ impl ProductSampler {
         let (sampler, basis) = (LightSampler::new(light, frame, LightWeight::Radiance)?, Decomposition::Standard);
         let transform = Transform2d::new(side, side, basis)?;
         let coefs = forward_2d(&importances(light, side), side, side, basis)?;
-        let kept = Selection::new(settings.keep).apply(&coefs)?;
+        let kept = Selection::new(settings.keep).with_weighting(Weighting::Magnitude).apply(&coefs)?;
         Ok(Self {
             light: sampler,
             extent: light.extent(),
