@@ -35,7 +35,7 @@ fn check<T: Real>(sides: [usize; 2], maps: [AffineMap; 2]) {
             // Images are within ±1; ends of source pixels are rounded by ε of their place in f64.
             let place = if size_of::<T>() == 8 { (i % side).max(i / side) as f64 } else { 0.0 };
             assert!(
-                (got.widen() - want).abs() <= (4.0 + 0.5 * place) * epsilon,
+                (got.widen() - want).abs() <= (4.0 + 2.0 * place) * epsilon,
                 "{sides:?} {maps:?} pixel {i}: {got} {want}"
             );
         }
