@@ -30,7 +30,8 @@ fn truth(light: &PlanarLight, brdf: impl Brdf + 'static, eye: &View, occluders: 
     let materials = Materials::uniform(brdf);
     let occluders = Some(occluders);
     let truth = LocalTruth { mesh: &mesh, materials: &materials, view: eye, lights: &lights, occluders, fog: None };
-    truth.radiance(24, &()).unwrap()
+    // A light field is sampled as a whole, a texture pixel by pixel: 8 along an edge.
+    truth.radiance(if light.has_profile() { 192 } else { 24 }, &()).unwrap()
 }
 
 /// The mean of many estimates of one sample, in standard errors from the truth: the largest over the channels.
