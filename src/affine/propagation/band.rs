@@ -123,18 +123,15 @@ impl<T: Real> Band<T> {
         }
     }
 
-    /// As [`scatter`](Self::scatter), in the `rows` that are reached and some `columns`; what is elsewhere stays.
+    /// The transpose of [`combine`](Self::combine), in the `rows` that are reached (or more) and some `columns`: dst =
+    /// Σ_k weight · src[k]; what is elsewhere stays.
     ///
     /// Shapes: src and dst have rows of `width`.
     #[inline(always)]
-    pub(super) fn scatter_part(
-        &self,
-        rows: Range<usize>,
-        columns: Range<usize>,
-        width: usize,
-        src: &[T],
-        dst: &mut [T],
-    ) {
+    pub(super) fn scatter(&self, rows: Range<usize>, columns: Range<usize>, width: usize, src: &[T], dst: &mut [T]) {
+        if self.active.is_empty() {
+            return rows.for_each(|row| dst[row * width..][columns.clone()].fill(T::zero()));
+        }
         // By source cell, so that sums stay in registers: the target cells that reach it follow one another.
         let rises = self.base[self.active.start] <= self.base[self.active.end - 1];
         let (mut first, mut end) = (self.active.start, self.active.start);
@@ -158,22 +155,6 @@ impl<T: Real> Band<T> {
                 n if n.is_multiple_of(16) => sum_rows::<T, 16>(sources, columns.start, src, out),
                 n if n.is_multiple_of(8) => sum_rows::<T, 8>(sources, columns.start, src, out),
                 _ => sum_rows::<T, 1>(sources, columns.start, src, out),
-            }
-        }
-    }
-
-    /// The transpose of [`combine`](Self::combine): dst[base[k] + q] += weight · src[k], from 0.
-    #[inline(always)]
-    pub(super) fn scatter(&self, width: usize, src: &[T], dst: &mut [T]) {
-        dst.fill(T::zero());
-        for k in self.active.clone() {
-            let row = &src[k * width..][..width];
-            for q in 0..self.count {
-                let w = self.weight[k * self.count + q];
-                let sum = &mut dst[(self.base[k] as usize + q) * width..][..width];
-                for (sum, &x) in sum.iter_mut().zip(row) {
-                    *sum += w * x;
-                }
             }
         }
     }

@@ -199,9 +199,9 @@ impl<'a, T: Real> Adjoint<'a, T> {
         }
         // Columns of the source by rows of the target; transposed; rows of the source.
         let seen = whole(along_y.active(), side);
-        along_x.scatter_part(columns.clone(), seen.clone(), side, cotangent, first);
+        along_x.scatter(columns.clone(), seen.clone(), side, cotangent, first);
         transpose_part([columns.clone(), seen], [side, from], first, second);
-        along_y.scatter_part(rows.clone(), columns.clone(), from, second, first);
+        along_y.scatter(rows.clone(), columns.clone(), from, second, first);
         (first, [rows, columns])
     }
 }

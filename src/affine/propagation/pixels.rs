@@ -74,9 +74,9 @@ impl<T: Real> WithSimd for Scatter<'_, T> {
         for axis in 0..2 {
             bands[axis].set(from, side, maps[axis], Weights::Value);
         }
-        bands[1].scatter(side, first, &mut second[..half]);
+        bands[1].scatter(0..from, 0..side, side, first, &mut second[..half]);
         transpose([from, side], &second[..half], &mut first[..half]);
-        bands[0].scatter(from, &first[..half], &mut second[..from * from]);
+        bands[0].scatter(0..from, 0..from, from, &first[..half], &mut second[..from * from]);
         transpose([from, from], &second[..from * from], out);
     }
 }
