@@ -191,6 +191,18 @@ impl<T: Real, const C: usize> PropagationSource<T, C> {
         self.decomposition
     }
 
+    /// Standard basis: the flat 1D indices that occur along x and along y, ascending.
+    #[allow(dead_code, reason = "for those back ends that couple terms themselves")]
+    pub(crate) fn along(&self) -> &[Vec<u32>; 2] {
+        &self.terms.along
+    }
+
+    /// Standard basis: of every term where its pair of 1D indices lies in [`along`](Self::along), and its channels.
+    #[allow(dead_code, reason = "for those back ends that couple terms themselves")]
+    pub(crate) fn placed_terms(&self) -> impl Iterator<Item = ([u32; 2], [T; C])> + '_ {
+        self.terms.slot.iter().copied().zip(self.terms.value.iter().copied())
+    }
+
     /// How many basis functions have a term in some channel.
     #[inline]
     pub fn terms(&self) -> usize {

@@ -14,14 +14,19 @@ use crate::sphere::CubeMap;
 /// same bits.
 pub(in crate::backend) fn in_range(light: &CubeMap<Vector3<f32>>) -> (Cow<'_, CubeMap<Vector3<f32>>>, f64) {
     let largest = light.texels().iter().fold(0.0_f32, |m, t| m.max(t.amax()));
-    // What is not finite is refused where the light is set.
+    let Some([down, up]) = factors(largest) else { return (Cow::Borrowed(light), 1.0) };
+    (Cow::Owned(light.map(|t| t.map(|c| (f64::from(c) * down) as f32))), up)
+}
+
+/// The power of two that brings numbers of this largest magnitude to near 1, and its reciprocal; none where they may
+/// stay as they are, or are not finite: what that is of is refused where the light is set.
+pub(in crate::backend) fn factors(largest: f32) -> Option<[f64; 2]> {
     if largest == 0.0 || !largest.is_finite() || (2f32.powi(-40)..=2f32.powi(40)).contains(&largest) {
-        return (Cow::Borrowed(light), 1.0);
+        return None;
     }
     // In f64 every f32 is normal: the exponent is in its bits.
     let exponent = (f64::from(largest).to_bits() >> 52) as i32 - 1023;
-    let down = 2f64.powi(-exponent);
-    (Cow::Owned(light.map(|t| t.map(|c| (f64::from(c) * down) as f32))), 2f64.powi(exponent))
+    Some([-exponent, exponent].map(|e| 2f64.powi(e)))
 }
 
 /// Undoes [`in_range`] in what it has lit; beyond the largest `f32` is that.

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::light::{PlanarLight, place};
 use super::settings::{Ranking, Settings};
 use crate::affine::{AffineMap, Propagation, PropagationScratch, PropagationSource, Targets};
+use crate::backend::distant::range::factors;
 use crate::haar::{Decomposition, Selection, SelectionScratch, Transform2d, Weighting};
 use crate::scene::LocalFrame;
 use crate::sphere::TopFace;
@@ -45,7 +46,6 @@ pub struct IncidentLight {
     transform: Transform2d<f32>,
     plan: Propagation<f32>,
     source: PropagationSource<f32, 3>,
-    terms: Terms,
     /// The pixels of what is kept, row by row; and coefficients.
     pixels: [Vec<f32>; 3],
     coefs: [Vec<f32>; 3],
@@ -68,16 +68,6 @@ struct Kept {
     side: usize,
     terms: crate::haar::Keep,
     ranking: Ranking,
-}
-
-/// The wavelets that are kept, by ascending index, and those that occur along each axis.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Terms {
-    pub(super) value: Vec<[f32; 3]>,
-    /// Where each term's pair of indices lies in `along`.
-    pub(super) slot: Vec<[u16; 2]>,
-    /// The 1D indices that occur along x and along y, ascending.
-    pub(super) along: [Vec<u16>; 2],
 }
 
 impl IncidentLight {
@@ -110,7 +100,6 @@ impl IncidentLight {
             transform,
             plan,
             source,
-            terms: Terms::default(),
             pixels: planes(),
             coefs: black,
             weights,
@@ -180,8 +169,6 @@ impl IncidentLight {
         } else {
             self.source.set_pixels(pixels.each_ref().map(Vec::as_slice), &mut self.scratch);
         }
-        let Self { coefs, terms, .. } = self;
-        terms.set(*side, coefs);
         Ok(())
     }
 
@@ -220,7 +207,7 @@ impl IncidentLight {
 
     /// How many wavelets were kept.
     pub fn terms(&self) -> usize {
-        self.terms.value.len()
+        self.source.terms()
     }
 
     pub(super) fn plan(&self) -> &Propagation<f32> {
@@ -229,10 +216,6 @@ impl IncidentLight {
 
     pub(super) fn source(&self) -> &PropagationSource<f32, 3> {
         &self.source
-    }
-
-    pub(super) fn kept_terms(&self) -> &Terms {
-        &self.terms
     }
 
     pub(super) fn pixels(&self) -> [&[f32]; 3] {
@@ -270,41 +253,6 @@ impl IncidentLight {
     }
 }
 
-impl Terms {
-    fn set(&mut self, side: usize, coefs: &[Vec<f32>; 3]) {
-        self.value.clear();
-        self.slot.clear();
-        self.along.iter_mut().for_each(Vec::clear);
-        let is_kept = |i: usize| coefs.iter().any(|coefs| coefs[i] != 0.0);
-        // Rows come in order; columns are marked first, in the list that they then fill.
-        let [columns, rows] = &mut self.along;
-        columns.resize(side, 0);
-        for i in (0..side * side).filter(|&i| is_kept(i)) {
-            columns[i % side] = 1;
-            if rows.last() != Some(&((i / side) as u16)) {
-                rows.push((i / side) as u16);
-            }
-        }
-        let mut places = [0_u16; 256];
-        let mut count = 0;
-        for x in 0..side {
-            if columns[x] == 1 {
-                (places[x], columns[count as usize]) = (count, x as u16);
-                count += 1;
-            }
-        }
-        columns.truncate(usize::from(count));
-        let mut row = usize::MAX;
-        for i in (0..side * side).filter(|&i| is_kept(i)) {
-            if row == usize::MAX || usize::from(rows[row]) != i / side {
-                row = row.wrapping_add(1);
-            }
-            self.value.push([0, 1, 2].map(|c| coefs[c][i]));
-            self.slot.push([places[i % side], row as u16]);
-        }
-    }
-}
-
 /// To the range of `f32`.
 #[inline]
 pub(super) fn clamp(x: f64) -> f32 {
@@ -315,12 +263,8 @@ pub(super) fn clamp(x: f64) -> f32 {
 /// Scales pixels by a power of two into the range of sums in `f32`, and says what undoes it.
 fn bring_in_range(planes: &mut [Vec<f32>; 3]) -> f64 {
     let largest = planes.iter().flatten().fold(0.0_f32, |m, x| m.max(x.abs())).min(f32::MAX);
-    if largest == 0.0 || (2f32.powi(-40)..=2f32.powi(40)).contains(&largest) {
-        return 1.0;
-    }
-    // In f64 every f32 is normal: the exponent is in its bits.
-    let exponent = (f64::from(largest).to_bits() >> 52) as i32 - 1023;
-    let down = 2f64.powi(-exponent);
-    planes.iter_mut().flatten().for_each(|x| *x = (f64::from(x.clamp(-f32::MAX, f32::MAX)) * down) as f32);
-    2f64.powi(exponent)
+    let Some([down, up]) = factors(largest) else { return 1.0 };
+    let scaled = |x: f32| (f64::from(x.clamp(-f32::MAX, f32::MAX)) * down) as f32;
+    planes.iter_mut().flatten().for_each(|x| *x = scaled(*x));
+    up
 }

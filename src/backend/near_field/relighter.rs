@@ -303,7 +303,7 @@ impl<'a> Relighter<'a> {
         let cells = self.transport.face.cells();
         if let Some(couplings) = &self.couplings {
             memory.chosen.clear();
-            couplings.propagate(light.kept_terms(), maps, cells, &mut memory.dense, &mut memory.table);
+            couplings.propagate(light.source(), maps, cells, &mut memory.dense, &mut memory.table);
             return;
         }
         let Memory { targets, chosen, planes, dense, scratch, .. } = memory;

@@ -1,9 +1,9 @@
 //! The thesis' two ways to couplings: looked up, and made of a table of M. What they share is the product in two
 //! passes.
 
-use super::incident::Terms;
 use crate::affine::{
-    AffineMap, Atom, CanonicalTable, MapGrid, Mother, Nonzeros1d, Quantisation, StoredCouplings, canonical,
+    AffineMap, Atom, CanonicalTable, MapGrid, Mother, Nonzeros1d, PropagationSource, Quantisation, StoredCouplings,
+    canonical,
 };
 use crate::{Error, Result};
 
@@ -74,7 +74,7 @@ impl Couplings {
     }
 
     /// The couplings of some functions under a map.
-    fn set(&self, functions: &[u16], map: AffineMap, rows: &mut RowsOf) {
+    fn set(&self, functions: &[u32], map: AffineMap, rows: &mut RowsOf) {
         rows.end.clear();
         rows.index.clear();
         rows.value.clear();
@@ -82,7 +82,7 @@ impl Couplings {
             Self::Stored(stored) => {
                 let operator = stored.operator(hold(map)).expect("a scale inside the grid");
                 for &i in functions {
-                    let (targets, values) = operator.row(usize::from(i));
+                    let (targets, values) = operator.row(i as usize);
                     rows.index.extend(targets.iter().map(|&j| u16::from(j)));
                     rows.value.extend_from_slice(values);
                     rows.end.push(rows.index.len() as u32);
@@ -90,8 +90,8 @@ impl Couplings {
             }
             Self::Canonical { table, nonzeros } => {
                 for &i in functions {
-                    let source = Atom::from_flat(usize::from(i));
-                    nonzeros.row(usize::from(i), map, |j, _| {
+                    let source = Atom::from_flat(i as usize);
+                    nonzeros.row(i as usize, map, |j, _| {
                         rows.index.push(j as u16);
                         rows.value.push(look_up(table, source, Atom::from_flat(j), map) as f32);
                     });
@@ -104,7 +104,7 @@ impl Couplings {
     /// L = Σ F D, axis by axis [Sun 2008, §4.5.5], of all targets, R, G, B and nothing.
     pub(super) fn propagate(
         &self,
-        terms: &Terms,
+        source: &PropagationSource<f32, 3>,
         maps: [AffineMap; 2],
         side: usize,
         out: &mut [[f32; 4]],
@@ -112,13 +112,13 @@ impl Couplings {
     ) {
         let TableScratch { rows, half } = scratch;
         for axis in 0..2 {
-            self.set(&terms.along[axis], maps[axis], &mut rows[axis]);
+            self.set(&source.along()[axis], maps[axis], &mut rows[axis]);
         }
         half.clear();
-        half.resize(terms.along[1].len() * side, [0.0; 4]);
-        for (&[x, y], value) in terms.slot.iter().zip(&terms.value) {
-            let half = &mut half[usize::from(y) * side..][..side];
-            for (k, d) in rows[0].row(usize::from(x)) {
+        half.resize(source.along()[1].len() * side, [0.0; 4]);
+        for ([x, y], value) in source.placed_terms() {
+            let half = &mut half[y as usize * side..][..side];
+            for (k, d) in rows[0].row(x as usize) {
                 (0..3).for_each(|c| half[k][c] += d * value[c]);
             }
         }
