@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::{Brdf, LocalFrame};
 use crate::approx_eq::approx_by_parts;
+use crate::store::{Section, SectionReader};
 use crate::{Error, Result};
 
 /// Where the viewer is: at a point, or infinitely far away.
@@ -63,8 +64,7 @@ impl View {
 
 impl View {
     /// As numbers for a file: 1 and the eye point, or 2 and the unit direction.
-    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
-    pub(crate) fn parts(self) -> (u8, [f64; 3]) {
+    fn parts(self) -> (u8, [f64; 3]) {
         match self.kind {
             Kind::Eye(eye) => (1, eye.into()),
             Kind::Direction(direction) => (2, direction.into()),
@@ -72,14 +72,35 @@ impl View {
     }
 
     /// What [`parts`](Self::parts) gave; none for other numbers.
-    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
-    pub(crate) fn from_parts(kind: u8, place: [f64; 3]) -> Option<Self> {
+    fn from_parts(kind: u8, place: [f64; 3]) -> Option<Self> {
         let place = Vector3::from(place);
         let is_unit = (place.norm() - 1.0).abs() < 1e-12;
         match kind {
             1 if place.iter().all(|c| c.is_finite()) => Some(Self { kind: Kind::Eye(place) }),
             2 if is_unit => Some(Self { kind: Kind::Direction(place) }),
             _ => None,
+        }
+    }
+
+    /// Writes a view, or that there is none, into a file.
+    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
+    pub(crate) fn write(view: Option<Self>, to: &mut Section) {
+        let (kind, place) = view.map_or((0, [0.0; 3]), Self::parts);
+        to.field(kind);
+        to.array(&place);
+    }
+
+    /// Reads what [`write`](Self::write) wrote.
+    #[allow(dead_code, reason = "for those back ends whose files hold a view")]
+    pub(crate) fn read(from: &mut SectionReader) -> Result<Option<Self>> {
+        let (kind, place) = (from.field("a kind of view")?, from.array("a view", 3)?);
+        match kind {
+            0 if place.iter().all(|x: &f64| x.to_bits() == 0) => Ok(None),
+            0 => Err(from.wrong("has the place of a view, but no view")),
+            _ => match Self::from_parts(kind, [place[0], place[1], place[2]]) {
+                None => Err(from.wrong("is no view")),
+                view => Ok(view),
+            },
         }
     }
 }

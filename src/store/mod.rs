@@ -26,7 +26,8 @@ use std::path::Path;
 
 pub use kind::Kind;
 pub(crate) use reader::{Reader, SectionReader};
-pub(crate) use writer::Writer;
+#[allow(unused_imports, reason = "for those features that ask for it")]
+pub(crate) use writer::{Section, Writer};
 
 use crate::{Error, Result};
 

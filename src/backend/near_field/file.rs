@@ -40,9 +40,7 @@ impl Parts for Transport {
             s.field(self.face.size());
             s.field(self.face.cells() as u64);
             s.array(&flat(&[self.frame.tangent, self.frame.bitangent, self.frame.normal]));
-            let (kind, place) = self.view.map_or((0, [0.0; 3]), View::parts);
-            s.field(kind);
-            s.array(&place);
+            View::write(self.view, s);
             s.field(u8::from(self.free.is_some()));
         })?;
         to.section(*b"POSN", |s| s.list(&flat(&self.positions)))?;
@@ -85,12 +83,7 @@ impl Parts for Transport {
         let axes = s.array("the axes of a face", 9)?;
         let axes = vectors(&s, &axes)?;
         let frame = LocalFrame { tangent: axes[0], bitangent: axes[1], normal: axes[2] };
-        let (kind, place) = (s.field("a kind of view")?, s.array("a view", 3)?);
-        let view = match kind {
-            0 if place.iter().all(|x: &f64| x.to_bits() == 0) => None,
-            0 => return Err(s.wrong("has the place of a view, but no view")),
-            _ => Some(View::from_parts(kind, [place[0], place[1], place[2]]).ok_or_else(|| s.wrong("is no view"))?),
-        };
+        let view = View::read(&mut s)?;
         let is_free = match s.field::<u8>("whether the view is free")? {
             0 => false,
             1 if view.is_none() => true,

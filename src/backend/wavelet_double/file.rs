@@ -22,9 +22,7 @@ impl Parts for Transport {
         to.section(*b"SIZE", |s| {
             s.field(self.grid.side() as u64);
             s.field(self.vertices as u64);
-            let (kind, place) = self.view.map_or((0, [0.0; 3]), View::parts);
-            s.field(kind);
-            s.array(&place);
+            View::write(self.view, s);
         })?;
         for block in &self.blocks {
             to.section(*b"BLOK", |s| {
@@ -55,12 +53,7 @@ impl Parts for Transport {
     fn read(from: &mut Reader) -> Result<Self> {
         let mut size = from.section(*b"SIZE")?;
         let (grid, vertices) = (read_dyadic_grid(&mut size)?, size.count("vertices")?);
-        let (kind, place) = (size.field("a kind of view")?, size.array("a view", 3)?);
-        let view = match kind {
-            0 if place.iter().all(|x: &f64| x.to_bits() == 0) => None,
-            0 => return Err(size.wrong("has the place of a view, but no view")),
-            _ => Some(View::from_parts(kind, [place[0], place[1], place[2]]).ok_or_else(|| size.wrong("is no view"))?),
-        };
+        let view = View::read(&mut size)?;
         size.end()?;
         let mut blocks = Vec::new();
         let mut left = vertices;

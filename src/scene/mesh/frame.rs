@@ -1,9 +1,10 @@
 //! Local frames of a surface.
 
-use nalgebra::{UnitVector3, Vector3};
+use nalgebra::{Matrix3, UnitVector3, Vector3};
 
 use super::normals::perpendicular;
 use crate::approx_eq::approx_by_parts;
+use crate::{Error, Result};
 
 /// An orthonormal right-handed frame: x = tangent, y = bitangent, z = normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +23,18 @@ impl LocalFrame {
         let normal = normal.cast::<f32>().into_inner();
         let tangent = perpendicular(&normal);
         Self { tangent, bitangent: normal.cross(&tangent), normal }
+    }
+
+    /// # Errors
+    /// [`Error::OutOfRange`] unless the axes are orthonormal to 10⁻³, as dot products of `what`.
+    pub(crate) fn check(&self, what: &'static str) -> Result<()> {
+        let axes = Matrix3::from_columns(&[self.tangent, self.bitangent, self.normal].map(|a| a.cast::<f64>()));
+        let off = axes.transpose() * axes - Matrix3::identity();
+        // Negated, so that NaN is refused.
+        match off.iter().find(|off| !(off.abs() <= 1e-3)) {
+            Some(&got) => Err(Error::OutOfRange { what, got, allowed: "at most 1e-3" }),
+            None => Ok(()),
+        }
     }
 
     /// World to local coordinates, in `f64`.

@@ -65,13 +65,7 @@ impl Viewpoint {
     /// # Errors
     /// [`Error::OutOfRange`] unless its axes are orthonormal to 10⁻³.
     pub fn with_frame(self, frame: LocalFrame) -> Result<Self> {
-        let axes = axes(&frame);
-        let off = axes.transpose() * axes - Matrix3::identity();
-        // Negated, so that NaN is refused.
-        if let Some(&off) = off.iter().find(|off| !(off.abs() <= 1e-3)) {
-            let what = "dot products of a viewpoint's axes, less those of orthonormal ones";
-            return Err(Error::OutOfRange { what, got: off, allowed: "at most 1e-3" });
-        }
+        frame.check("dot products of a viewpoint's axes, less those of orthonormal ones")?;
         Ok(Self { frame: Some(frame), ..self })
     }
 

@@ -1,11 +1,11 @@
 //! The light itself: what is seen along a ray, and directions to it.
 
-use nalgebra::{Matrix3, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
 use super::super::PlanarLight;
 use super::{DirectionSample, DirectionSampler};
+use crate::Result;
 use crate::scene::{Axes, LocalFrame};
-use crate::{Error, Result};
 
 /// What points of a light are drawn by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -55,7 +55,7 @@ impl LightSampler {
     /// # Errors
     /// [`Error::OutOfRange`] unless the axes of the frame are orthonormal to 10⁻³.
     pub fn new(light: &PlanarLight, frame: &LocalFrame, weight: LightWeight) -> Result<Self> {
-        check_frame(frame)?;
+        frame.check("dot products of a frame's axes, less those of orthonormal ones")?;
         let [width, height] = light.texture_size();
         let radiance: Vec<Vector3<f32>> = (0..width * height).map(|texel| light.radiance(texel)).collect();
         let largest = radiance.iter().map(|l| l.amax()).fold(0.0, f32::max);
@@ -206,17 +206,4 @@ fn choose(sums: &[f64], uniform: f64) -> (usize, f64) {
 /// RGB vector.
 pub(super) fn importance(radiance: &Vector3<f32>, largest: f32) -> f64 {
     if largest > 0.0 { (radiance.cast::<f64>() / f64::from(largest)).norm() } else { 0.0 }
-}
-
-pub(super) fn check_frame(frame: &LocalFrame) -> Result<()> {
-    let axes = Matrix3::from_columns(&[frame.tangent, frame.bitangent, frame.normal].map(|a| a.cast::<f64>()));
-    let off = axes.transpose() * axes - Matrix3::identity();
-    // Negated, so that NaN is refused.
-    match off.iter().find(|off| !(off.abs() <= 1e-3)) {
-        None => Ok(()),
-        Some(&got) => {
-            let what = "dot products of a frame's axes, less those of orthonormal ones";
-            Err(Error::OutOfRange { what, got, allowed: "at most 1e-3" })
-        }
-    }
 }
