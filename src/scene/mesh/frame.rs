@@ -25,6 +25,8 @@ impl LocalFrame {
         Self { tangent, bitangent: normal.cross(&tangent), normal }
     }
 
+    /// Whether the axes are those of a frame.
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] unless the axes are orthonormal to 10⁻³, as dot products of `what`.
     pub(crate) fn check(&self, what: &'static str) -> Result<()> {

@@ -53,7 +53,7 @@ impl LightSampler {
     /// The light as it is now, in the frame that its plane lies across.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless the axes of the frame are orthonormal to 10⁻³.
+    /// [`Error::OutOfRange`](crate::Error::OutOfRange) unless the axes of the frame are orthonormal to 10⁻³.
     pub fn new(light: &PlanarLight, frame: &LocalFrame, weight: LightWeight) -> Result<Self> {
         frame.check("dot products of a frame's axes, less those of orthonormal ones")?;
         let [width, height] = light.texture_size();
